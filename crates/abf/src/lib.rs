@@ -1,0 +1,1 @@
+//! Flatten triangle meshes by solving for the angles of the flat mesh

@@ -1,0 +1,1 @@
+//! The angle problem: targets, weights, constraints, Jacobians and their local reduction

@@ -1,0 +1,1 @@
+//! Sparse linear algebra for angle-based flattening: ordering, Cholesky, refinement

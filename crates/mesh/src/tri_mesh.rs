@@ -1,0 +1,201 @@
+//! Coordinates and faces, as read: no promise about topology.
+
+use crate::{FaceId, Point3, VertexId};
+
+/// A triangle mesh as a file gives it: vertices in their order, faces in theirs.
+///
+/// Faces refer to existing vertices (that is checked on construction); nothing else is promised.
+/// Vertices that no face uses are kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TriMesh {
+    positions: Vec<Point3<f64>>,
+    faces: Vec<[VertexId; 3]>,
+}
+
+/// What is wrong with the coordinates or indices of a mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GeometryError {
+    /// A face names a vertex that does not exist.
+    #[error("face {face} refers to vertex {vertex}, but there are only {vertex_count} vertices (both counted from 0)")]
+    IndexOutOfRange {
+        /// The face.
+        face: FaceId,
+        /// The index it names.
+        vertex: usize,
+        /// How many vertices there are.
+        vertex_count: usize,
+    },
+    /// NaN or infinite coordinates.
+    #[error("vertex {first} has a coordinate that is not finite ({count} such vertices in all)")]
+    NotFinite {
+        /// The first such vertex.
+        first: VertexId,
+        /// How many there are.
+        count: usize,
+    },
+    /// Triangles whose corners lie on one line (or in one point) to rounding.
+    #[error("face {first} has no area: its corners lie on one line ({count} such faces in all)")]
+    ZeroArea {
+        /// The first such face.
+        first: FaceId,
+        /// How many there are.
+        count: usize,
+    },
+}
+
+impl TriMesh {
+    /// A mesh of these vertices and faces (vertex indices counted from zero).
+    ///
+    /// # Errors
+    /// [`GeometryError::IndexOutOfRange`] for the first face that names a missing vertex.
+    pub fn new(positions: Vec<Point3<f64>>, faces: &[[usize; 3]]) -> Result<Self, GeometryError> {
+        let vertex_count = positions.len();
+        for (f, face) in faces.iter().enumerate() {
+            if let Some(&vertex) = face.iter().find(|&&v| v >= vertex_count) {
+                return Err(GeometryError::IndexOutOfRange { face: FaceId::new(f), vertex, vertex_count });
+            }
+        }
+        let faces = faces.iter().map(|face| face.map(VertexId::new)).collect();
+        Ok(Self { positions, faces })
+    }
+
+    /// The vertices, in the order of the input.
+    #[must_use]
+    pub fn positions(&self) -> &[Point3<f64>] {
+        &self.positions
+    }
+
+    /// The faces, in the order of the input, corners counter-clockwise.
+    #[must_use]
+    pub fn faces(&self) -> &[[VertexId; 3]] {
+        &self.faces
+    }
+
+    /// How many vertices there are, used or not.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// How many faces there are.
+    #[must_use]
+    pub fn face_count(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// The three corner positions of a face.
+    #[inline]
+    #[must_use]
+    pub fn triangle(&self, face: FaceId) -> [Point3<f64>; 3] {
+        self.faces[face.index()].map(|v| self.positions[v.index()])
+    }
+
+    /// Every face with its three corner positions.
+    pub fn triangles(&self) -> impl ExactSizeIterator<Item = [Point3<f64>; 3]> + '_ {
+        self.faces.iter().map(|face| face.map(|v| self.positions[v.index()]))
+    }
+
+    /// The angle of every corner, in radians: `atan2(|e₁ × e₂|, e₁ · e₂)`, length `3 nt`.
+    ///
+    /// The two-argument arctangent keeps full relative accuracy for angles near 0, where the
+    /// arc cosine of a normalised dot product has none.
+    #[must_use]
+    pub fn corner_angles(&self) -> Vec<f64> {
+        self.triangles().flat_map(|p| triangle_angles(&p)).collect()
+    }
+
+    /// The total area of the surface.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.triangles().map(|[a, b, c]| 0.5 * (b - a).cross(&(c - a)).norm()).sum()
+    }
+
+    /// How many vertices no face refers to.
+    #[must_use]
+    pub fn unreferenced_vertices(&self) -> usize {
+        let mut used = vec![false; self.vertex_count()];
+        self.faces.iter().flatten().for_each(|v| used[v.index()] = true);
+        used.iter().filter(|&&u| !u).count()
+    }
+
+    /// Checks that every coordinate is finite and every face has an area.
+    ///
+    /// A face has no area when `|e₁ × e₂|` is within the rounding of the product of its two
+    /// longest edges; the test does not depend on the scale of the mesh.
+    ///
+    /// # Errors
+    /// [`GeometryError::NotFinite`] or [`GeometryError::ZeroArea`], with the first and the count.
+    pub fn check_geometry(&self) -> Result<(), GeometryError> {
+        let bad = |p: &&Point3<f64>| !p.iter().all(|x| x.is_finite());
+        if let Some(first) = self.positions.iter().position(|p| bad(&p)) {
+            let count = self.positions.iter().filter(bad).count();
+            return Err(GeometryError::NotFinite { first: VertexId::new(first), count });
+        }
+        let mut flat = self.triangles().enumerate().filter(|(_, p)| has_no_area(p));
+        if let Some((first, _)) = flat.next() {
+            return Err(GeometryError::ZeroArea { first: FaceId::new(first), count: 1 + flat.count() });
+        }
+        Ok(())
+    }
+}
+
+/// The three angles of one triangle, radians.
+fn triangle_angles([a, b, c]: &[Point3<f64>; 3]) -> [f64; 3] {
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    let angle = |out: nalgebra::Vector3<f64>, back: nalgebra::Vector3<f64>| {
+        let back = -back;
+        out.cross(&back).norm().atan2(out.dot(&back))
+    };
+    [angle(ab, ca), angle(bc, ab), angle(ca, bc)]
+}
+
+/// Whether the corners lie on one line, to the rounding of the cross product.
+fn has_no_area([a, b, c]: &[Point3<f64>; 3]) -> bool {
+    const ROUNDING: f64 = 4.0 * f64::EPSILON;
+    let (ab, ac, bc) = (b - a, c - a, c - b);
+    let longest = ab.norm_squared().max(ac.norm_squared()).max(bc.norm_squared());
+    // The cross product of the two shorter edges loses the least.
+    ab.cross(&ac).norm() <= ROUNDING * longest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mesh(points: &[[f64; 3]], faces: &[[usize; 3]]) -> TriMesh {
+        TriMesh::new(points.iter().map(|&p| Point3::from(p)).collect(), faces).expect("indices in range")
+    }
+
+    #[test]
+    fn angles_of_a_right_triangle_are_exact() {
+        let m = mesh(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
+        let a = m.corner_angles();
+        assert!((a[0] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        assert!((a[1] - std::f64::consts::FRAC_PI_4).abs() < 1e-15);
+        assert!((m.area() - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_missing_vertex_is_named() {
+        let e = TriMesh::new(vec![Point3::origin(); 3], &[[0, 1, 3]]).unwrap_err();
+        assert_eq!(e, GeometryError::IndexOutOfRange { face: FaceId::new(0), vertex: 3, vertex_count: 3 });
+    }
+
+    #[test]
+    fn faces_without_area_are_counted_at_any_scale() {
+        for scale in [1e-30, 1.0, 1e30] {
+            let points = [[0.0; 3], [scale, 0.0, 0.0], [2.0 * scale, 0.0, 0.0], [0.0, 1e-9 * scale, 0.0]];
+            let m = mesh(&points, &[[0, 1, 3], [0, 1, 2], [1, 2, 0]]);
+            let e = m.check_geometry().unwrap_err();
+            assert_eq!(e, GeometryError::ZeroArea { first: FaceId::new(1), count: 2 });
+        }
+    }
+
+    #[test]
+    fn coordinates_that_are_not_finite_are_counted() {
+        let m = mesh(&[[0.0; 3], [f64::NAN, 0.0, 0.0], [0.0, f64::INFINITY, 0.0]], &[[0, 1, 2]]);
+        let e = m.check_geometry().unwrap_err();
+        assert_eq!(e, GeometryError::NotFinite { first: VertexId::new(1), count: 2 });
+    }
+}

@@ -1,0 +1,144 @@
+//! UVs per corner.
+
+use crate::{CornerId, FaceId, Point2, TriMesh, UvId};
+
+/// A UV for every corner of a mesh: corners that share a [`UvId`] are joined in the plane.
+///
+/// A vertex on a seam has several UV points; nothing else distinguishes a seam.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UvMap {
+    points: Vec<Point2<f64>>,
+    corners: Vec<UvId>,
+}
+
+impl UvMap {
+    /// A map from its points and, for every corner, the index of its point.
+    ///
+    /// # Panics
+    /// If a corner names a point that does not exist; readers check this before.
+    #[must_use]
+    pub fn new(points: Vec<Point2<f64>>, corners: Vec<UvId>) -> Self {
+        assert!(corners.iter().all(|c| c.index() < points.len()), "every corner names an existing UV point");
+        Self { points, corners }
+    }
+
+    /// One UV for every vertex of the mesh. Vertices that no face uses get no UV point.
+    ///
+    /// # Panics
+    /// If there are not as many UVs as vertices.
+    #[must_use]
+    pub fn per_vertex(mesh: &TriMesh, uv: &[Point2<f64>]) -> Self {
+        assert_eq!(uv.len(), mesh.vertex_count(), "one UV per vertex");
+        let mut used = vec![false; uv.len()];
+        mesh.faces().iter().flatten().for_each(|v| used[v.index()] = true);
+        let mut points = Vec::with_capacity(uv.len());
+        let ids: Vec<UvId> = uv
+            .iter()
+            .zip(&used)
+            .map(|(&p, &used)| {
+                let id = UvId::new(points.len());
+                if used {
+                    points.push(p);
+                }
+                id
+            })
+            .collect();
+        let corners = mesh.faces().iter().flatten().map(|v| ids[v.index()]).collect();
+        Self { points, corners }
+    }
+
+    /// The UV points.
+    #[must_use]
+    pub fn points(&self) -> &[Point2<f64>] {
+        &self.points
+    }
+
+    /// The UV point of every corner, `3 nt` of them.
+    #[must_use]
+    pub fn corners(&self) -> &[UvId] {
+        &self.corners
+    }
+
+    /// The UV of one corner.
+    #[inline]
+    #[must_use]
+    pub fn corner(&self, corner: CornerId) -> Point2<f64> {
+        self.points[self.corners[corner.index()].index()]
+    }
+
+    /// The UV triangle of a face.
+    #[inline]
+    #[must_use]
+    pub fn triangle(&self, face: FaceId) -> [Point2<f64>; 3] {
+        face.corners().map(|c| self.corner(c))
+    }
+
+    /// Every UV triangle, in the order of the faces.
+    pub fn triangles(&self) -> impl ExactSizeIterator<Item = [Point2<f64>; 3]> + '_ {
+        self.corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]].map(|id| self.points[id.index()]))
+    }
+
+    /// The sum of the signed areas of all UV triangles: positive when most of the map is
+    /// counter-clockwise.
+    #[must_use]
+    pub fn signed_area(&self) -> f64 {
+        self.triangles().map(|[a, b, c]| 0.5 * (b - a).perp(&(c - a))).sum()
+    }
+
+    /// The same map with every point moved by `transform`.
+    #[must_use]
+    pub fn mapped(mut self, transform: impl Fn(Point2<f64>) -> Point2<f64>) -> Self {
+        self.points.iter_mut().for_each(|p| *p = transform(*p));
+        self
+    }
+
+    /// The smallest axis-aligned box around all points: lower left, upper right.
+    /// `None` when there is no point.
+    #[must_use]
+    pub fn bounds(&self) -> Option<(Point2<f64>, Point2<f64>)> {
+        let first = *self.points.first()?;
+        Some(self.points.iter().fold((first, first), |(lo, hi), p| (lo.inf(p), hi.sup(p))))
+    }
+
+    /// Moved and scaled uniformly so that its box touches the origin and fits the unit square.
+    #[must_use]
+    pub fn normalized(self) -> Self {
+        let Some((lo, hi)) = self.bounds() else { return self };
+        let side = (hi - lo).max();
+        if side <= 0.0 {
+            return self;
+        }
+        self.mapped(|p| Point2::from((p - lo) / side))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Point3;
+
+    fn square() -> (TriMesh, Vec<Point2<f64>>) {
+        let p = [[0.0, 0.0], [9.0, 9.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+        let positions = p.iter().map(|&[x, y]| Point3::new(x, y, 0.0)).collect();
+        let mesh = TriMesh::new(positions, &[[0, 2, 3], [0, 3, 4]]).expect("indices in range");
+        (mesh, p.iter().map(|&xy| Point2::from(xy)).collect())
+    }
+
+    #[test]
+    fn unreferenced_vertices_get_no_uv_point() {
+        let (mesh, uv) = square();
+        let map = UvMap::per_vertex(&mesh, &uv);
+        assert_eq!(map.points().len(), 4);
+        assert_eq!(map.signed_area(), 4.0);
+        assert_eq!(map.triangle(FaceId::new(1)), [uv[0], uv[3], uv[4]]);
+    }
+
+    #[test]
+    fn normalizing_fits_the_unit_square_and_keeps_proportions() {
+        let (mesh, uv) = square();
+        let map = UvMap::per_vertex(&mesh, &uv).mapped(|p| Point2::new(3.0 * p.x - 1.0, p.y)).normalized();
+        let (lo, hi) = map.bounds().expect("points");
+        assert_eq!((lo.x, lo.y, hi.x), (0.0, 0.0, 1.0));
+        assert!((hi.y - 1.0 / 3.0).abs() < 1e-15);
+    }
+}

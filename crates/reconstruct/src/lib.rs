@@ -1,0 +1,1 @@
+//! From angles to coordinates: least squares, tree integration, Poisson

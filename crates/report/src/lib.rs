@@ -1,0 +1,1 @@
+//! Pictures of a flattened mesh: the checkered surface next to its layout

@@ -1,0 +1,1 @@
+//! The solver trait, stopping, observing and the solution that measures itself

@@ -1,0 +1,1 @@
+//! Linear angle-based flattening (Zayer, Lévy, Seidel 2007)
