@@ -1,1 +1,39 @@
-//! The angle problem: targets, weights, constraints, Jacobians and their local reduction
+//! The angle problem: targets, weights, constraints, Jacobians and their local reduction.
+//!
+//! Pure functions of angles. A disk has `nt` triangles, `ni` interior vertices and `3 nt` corners;
+//! the unknowns are the corner angles `x` of the flat mesh. Angles inside `(0, π)` that satisfy
+//! all constraints *are* a planar drawing without flips, up to similarity.
+//!
+//! | symbol | name here | meaning | shape |
+//! | --- | --- | --- | --- |
+//! | α° | [`AngleProblem::mesh_angles`] | angles of the surface, rad | 3 nt |
+//! | a | [`AngleProblem::target`] | target angles: α° · 2π / Σα° around an interior vertex, α° on the boundary | 3 nt |
+//! | α | [`AngleProblem::estimate`] | where LinABF linearises: α°, but the target on rings of large deficit | 3 nt |
+//! | w | [`AngleProblem::weight`] | 1/a² | 3 nt |
+//! | x | `angles` | the unknowns, rad | 3 nt |
+//! | h | [`residual`] | the constraints: triangle rows, vertex rows, wheel rows | nt + 2 ni |
+//! | J | [`Jacobian`] | dh/dx | (nt + 2 ni) × 3 nt |
+//! | μ | `multipliers` | Lagrange multipliers, in the order of `h` | nt + 2 ni |
+//!
+//! Where things are: `problem.rs` targets and estimates · `rows.rs` which constraint is which row
+//! · `residual.rs` the three families · `wheel.rs` the wheel condition and its derivative ·
+//! `jacobian.rs` all of `J` as a sparse matrix · `reduction.rs` the elimination of a triangle's own
+//! row that every method shares.
+//!
+//! Sources: ABF = Sheffer, de Sturler 2001; ZRS05 = Zayer, Rössl, Seidel, *Variations of Angle
+//! Based Flattening*; VMV04 = the same, *Efficient Iterative Solvers for Angle Based Flattening*;
+//! LinABF = Zayer, Lévy, Seidel 2007.
+
+mod jacobian;
+mod problem;
+mod reduction;
+mod residual;
+mod rows;
+mod wheel;
+
+pub use jacobian::Jacobian;
+pub use problem::{AngleProblem, EstimateSettings, ProblemError};
+pub use reduction::{TriangleReduction, TriangleRows};
+pub use residual::{RESIDUAL_CLAMP, angles_out_of_range, max_residual, residual};
+pub use rows::ConstraintRows;
+pub use wheel::{WheelDerivative, WheelForm};

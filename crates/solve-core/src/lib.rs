@@ -1,1 +1,34 @@
-//! The solver trait, stopping, observing and the solution that measures itself
+//! What every solver shares: the trait, stopping, observing, one quadratic step and the solution
+//! that measures itself.
+//!
+//! Every solver of the papers repeats one quadratic step at its current angles,
+//!
+//! ```text
+//! [ Λ  Jᵀ ] [ δ ]     [ g ]
+//! [ J  0  ] [ μ ] = − [ h ]
+//! ```
+//!
+//! and the solvers differ in where they take it ([`KktSystem`] holds the switches) and in how it is
+//! solved ([`KktStep`] is the seam). [`ReducedSystem`] eliminates the triangle rows, leaving a
+//! symmetric system of two unknowns per interior vertex; [`DirectStep`] solves that by sparse
+//! Cholesky.
+//!
+//! A solver cannot grade its own work: [`AngleSolution::measure`] is the only way to make a
+//! solution, and it computes the constraint residual from the angles.
+
+mod direct;
+mod kkt;
+mod observe;
+mod reduced;
+mod solution;
+mod solver;
+mod stop;
+
+pub use abf_linalg::{LinearError, LinearStats};
+pub use direct::DirectStep;
+pub use kkt::{KktStep, KktSystem, KktVector, StepError};
+pub use observe::{Event, Observer, Silent, Stage, Verdict, Watch};
+pub use reduced::ReducedSystem;
+pub use solution::{AngleSolution, IterationRecord, Termination};
+pub use solver::{AngleSolver, SolveError};
+pub use stop::StopCriteria;

@@ -1,1 +1,199 @@
-//! Linear angle-based flattening (Zayer, Lévy, Seidel 2007)
+//! Linear angle-based flattening: Zayer, Lévy, Seidel, *Linear Angle Based Parameterization*, SGP 2007.
+//!
+//! Instead of the angles themselves, LinABF looks for the error `e` of an estimate `α` of them.
+//! Linearised in the error, the wheel condition becomes
+//!
+//! ```text
+//! Σ cot α[next] · e[next] − cot α[prev] · e[prev] = Σ log sin α[prev] − log sin α[next]      (10)
+//! ```
+//!
+//! and with the linear triangle and vertex conditions the flat angles are the least-norm solution of
+//! one linear system,
+//!
+//! ```text
+//! minimise Σ (e/α)²   subject to   J(α) e = −h(α),                                      (12)–(16)
+//! ```
+//!
+//! which is one quadratic step of the family with `Λ = 2/α²` and `g = 0`. The linearisation is off
+//! by the square of the error, so one pass is often all there is to do; further passes re-centre:
+//! they take the result, kept inside the angle bounds, as the next estimate (end of §6).
+
+use abf_constraints::{AngleProblem, WheelDerivative, WheelForm, max_residual, residual};
+use abf_solve_core::{
+    AngleSolution, AngleSolver, DirectStep, IterationRecord, KktStep, KktSystem, KktVector, Observer, SolveError,
+    StepError, StopCriteria, Termination, Watch,
+};
+use std::fmt;
+use std::num::NonZeroUsize;
+use std::str::FromStr;
+
+/// How many passes to make.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Passes {
+    /// Until the constraint residual meets the tolerance or stops improving.
+    #[default]
+    Auto,
+    /// Exactly so many; fewer only when the tolerance is met before.
+    Exactly(NonZeroUsize),
+}
+
+impl FromStr for Passes {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "auto" => Ok(Self::Auto),
+            _ => s.parse().map(Self::Exactly).map_err(|_| format!("passes must be 'auto' or at least 1, got '{s}'")),
+        }
+    }
+}
+
+impl fmt::Display for Passes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Exactly(n) => n.fmt(f),
+        }
+    }
+}
+
+/// The LinABF solver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinAbf {
+    /// How many passes to make.
+    pub passes: Passes,
+}
+
+/// With [`Passes::Auto`]: how many passes in a row may fail to improve before giving up.
+const PATIENCE: usize = 4;
+
+/// With [`Passes::Auto`]: a pass improves when it brings the residual below this fraction of the best.
+const IMPROVEMENT: f64 = 0.5;
+
+/// The relative residual every linear solve is refined to.
+const LINEAR_TOLERANCE: f64 = 1e-11;
+
+impl AngleSolver for LinAbf {
+    fn name(&self) -> &'static str {
+        "linabf"
+    }
+
+    fn solve(
+        &self,
+        problem: &AngleProblem<'_>,
+        stop: &StopCriteria,
+        observer: &mut dyn Observer,
+    ) -> Result<AngleSolution, SolveError> {
+        stop.check()?;
+        let mut watch = Watch::start(stop, observer);
+        let mut run = Run::new(problem)?;
+        let termination = loop {
+            match run.pass(&mut watch) {
+                Ok(()) => {}
+                Err(StepError::Linear(error)) if run.history.is_empty() => return Err(error.into()),
+                // The angles so far are usable; the next estimate was not.
+                Err(StepError::Linear(_)) => break Termination::Stalled,
+                Err(_) => break watch.interruption().unwrap_or(Termination::Cancelled),
+            }
+            if let Some(end) = self.verdict(&run, stop).or(watch.interruption()) {
+                break end;
+            }
+        };
+        let angles = if self.passes == Passes::Auto { run.best } else { run.angles };
+        Ok(AngleSolution::measure(problem, angles, termination, run.history))
+    }
+}
+
+impl LinAbf {
+    /// Whether the passes so far are enough.
+    fn verdict(&self, run: &Run<'_, '_>, stop: &StopCriteria) -> Option<Termination> {
+        let done = run.history.len();
+        let limit = match self.passes {
+            Passes::Auto => stop.max_iterations,
+            Passes::Exactly(n) => n.get(),
+        };
+        if run.best_residual <= stop.tolerance {
+            Some(Termination::Converged)
+        } else if done >= limit {
+            Some(if limit == 1 { Termination::OnePass } else { Termination::MaxIterations })
+        } else if self.passes == Passes::Auto && run.passes_without_improvement >= PATIENCE {
+            Some(Termination::Stalled)
+        } else {
+            None
+        }
+    }
+}
+
+/// The workspace of one solve.
+struct Run<'p, 'a> {
+    problem: &'p AngleProblem<'a>,
+    step: DirectStep,
+    zero_gradient: Vec<f64>,
+    /// The result of the last pass; before the first, the estimate.
+    angles: Vec<f64>,
+    /// The result with the smallest residual.
+    best: Vec<f64>,
+    best_residual: f64,
+    passes_without_improvement: usize,
+    history: Vec<IterationRecord>,
+}
+
+impl<'p, 'a> Run<'p, 'a> {
+    fn new(problem: &'p AngleProblem<'a>) -> Result<Self, SolveError> {
+        Ok(Self {
+            problem,
+            step: DirectStep::new(problem.topology(), problem.rows())?,
+            zero_gradient: vec![0.0; problem.topology().corner_count()],
+            angles: problem.estimate().to_vec(),
+            best: problem.estimate().to_vec(),
+            best_residual: f64::INFINITY,
+            passes_without_improvement: 0,
+            history: Vec::new(),
+        })
+    }
+
+    /// One pass: from the last angles, kept inside the bounds, to the least-norm correction.
+    fn pass(&mut self, watch: &mut Watch<'_>) -> Result<(), StepError> {
+        let (topology, rows) = (self.problem.topology(), self.problem.rows());
+        let mut estimate = self.angles.clone();
+        let moved = self.problem.settings().clamp(&mut estimate);
+        let moved_angles = if self.history.is_empty() { self.problem.moved_angles() } else { moved };
+
+        let lambda: Vec<f64> = estimate.iter().map(|x| 2.0 / (x * x)).collect();
+        let kkt = KktSystem {
+            topology,
+            rows,
+            lambda: &lambda,
+            wheel: &WheelDerivative::new(WheelForm::Log, topology, rows, &estimate),
+            gradient: &self.zero_gradient,
+            residual: &residual(WheelForm::Log, topology, rows, &estimate),
+        };
+        let mut out = KktVector::default();
+        let stats = self.step.step(&kkt, LINEAR_TOLERANCE, watch, &mut out)?;
+
+        let step = out.delta.iter().fold(0.0, |max: f64, e| max.max(e.abs()));
+        estimate.iter_mut().zip(&out.delta).for_each(|(x, e)| *x += e);
+        self.angles = estimate;
+        let record = IterationRecord {
+            iteration: self.history.len() + 1,
+            constraint_residual: max_residual(topology, rows, &self.angles),
+            step,
+            inner_iterations: stats.iterations,
+            inner_residual: stats.relative_residual,
+            moved_angles,
+        };
+        self.keep_best(record.constraint_residual);
+        self.history.push(record);
+        watch.iteration(&record);
+        Ok(())
+    }
+
+    fn keep_best(&mut self, residual: f64) {
+        let improved = residual < IMPROVEMENT * self.best_residual;
+        self.passes_without_improvement = if improved { 0 } else { self.passes_without_improvement + 1 };
+        if residual < self.best_residual {
+            self.best_residual = residual;
+            self.best.clone_from(&self.angles);
+        }
+    }
+}

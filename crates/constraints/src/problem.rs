@@ -1,0 +1,284 @@
+//! Targets, weights and the estimate.
+
+use crate::ConstraintRows;
+use abf_mesh::{CornerId, DiskError, Topology, VertexId};
+use std::f64::consts::{PI, TAU};
+
+/// How the estimate is made from the angles of the surface (LinABF §4.2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimateSettings {
+    /// Rings whose deficit `|2π − Σα°|` is above this, in radians, start from their target angles
+    /// instead of their own. `None` never switches. LinABF recommends 1.
+    pub ring_switch: Option<f64>,
+    /// The smallest angle a pass may start from, rad; the largest is π minus this. Angles beyond
+    /// are moved to the bound, and counted.
+    pub angle_bound: f64,
+}
+
+impl Default for EstimateSettings {
+    fn default() -> Self {
+        Self { ring_switch: Some(1.0), angle_bound: 1e-3 }
+    }
+}
+
+impl EstimateSettings {
+    /// Moves every angle into `[angle_bound, π − angle_bound]` and says how many were outside.
+    /// NaN is moved to the lower bound.
+    #[must_use]
+    pub fn clamp(&self, angles: &mut [f64]) -> usize {
+        let (low, high) = (self.angle_bound, PI - self.angle_bound);
+        let mut moved = 0;
+        for x in angles {
+            if !(low..=high).contains(x) {
+                *x = if *x > high { high } else { low };
+                moved += 1;
+            }
+        }
+        moved
+    }
+
+    fn check(&self) -> Result<(), ProblemError> {
+        if self.ring_switch.is_some_and(|t| t.is_nan() || t < 0.0) {
+            let value = self.ring_switch.unwrap_or_default();
+            return Err(ProblemError::Setting { name: "ring_switch", allowed: "at least 0", value });
+        }
+        if !(self.angle_bound > 0.0 && self.angle_bound < PI / 3.0) {
+            let value = self.angle_bound;
+            return Err(ProblemError::Setting { name: "angle_bound", allowed: "in (0, π/3)", value });
+        }
+        Ok(())
+    }
+}
+
+/// Why there is no angle problem to solve.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProblemError {
+    /// The constraints describe disks only.
+    #[error(transparent)]
+    NotADisk(#[from] DiskError),
+    /// There must be one angle for every corner.
+    #[error("{given} angles for {corners} corners")]
+    AngleCount {
+        /// How many angles were given.
+        given: usize,
+        /// How many corners there are.
+        corners: usize,
+    },
+    /// An angle that no triangle with area has.
+    #[error(
+        "corner {corner} of face {face} has the angle {angle} rad, which is not inside (0, π) ({count} such corners in all)"
+    )]
+    Angle {
+        /// The place of the first such corner in its face: 0, 1 or 2.
+        corner: usize,
+        /// Its face.
+        face: usize,
+        /// Its angle.
+        angle: f64,
+        /// How many there are.
+        count: usize,
+    },
+    /// A setting outside its range.
+    #[error("{name} must be {allowed}, got {value}")]
+    Setting {
+        /// Which setting.
+        name: &'static str,
+        /// What it may be.
+        allowed: &'static str,
+        /// What it was.
+        value: f64,
+    },
+}
+
+/// A disk with the angles to come close to and the place to start from.
+#[derive(Clone, Debug)]
+pub struct AngleProblem<'a> {
+    topology: &'a Topology,
+    rows: ConstraintRows,
+    settings: EstimateSettings,
+    mesh_angles: Vec<f64>,
+    target: Vec<f64>,
+    weight: Vec<f64>,
+    estimate: Vec<f64>,
+    switched_rings: usize,
+    moved_angles: usize,
+}
+
+impl<'a> AngleProblem<'a> {
+    /// The problem of a disk whose corners have `mesh_angles` (radians, one per corner).
+    ///
+    /// # Errors
+    /// [`ProblemError`] when the surface is no disk, an angle is not inside `(0, π)`, or a setting
+    /// is out of range.
+    pub fn new(
+        topology: &'a Topology,
+        mesh_angles: Vec<f64>,
+        settings: EstimateSettings,
+    ) -> Result<Self, ProblemError> {
+        settings.check()?;
+        topology.require_disk()?;
+        check_angles(topology, &mesh_angles)?;
+        let rows = ConstraintRows::new(topology);
+        let mut target = mesh_angles.clone();
+        let mut estimate = mesh_angles.clone();
+        let mut switched_rings = 0;
+        for &v in rows.interior() {
+            let sum = ring_sum(topology, v, &mesh_angles);
+            let switch = settings.ring_switch.is_some_and(|threshold| (TAU - sum).abs() > threshold);
+            switched_rings += usize::from(switch);
+            for c in topology.fan(v).map(CornerId::index) {
+                target[c] = mesh_angles[c] * (TAU / sum);
+                if switch {
+                    estimate[c] = target[c];
+                }
+            }
+        }
+        let moved_angles = settings.clamp(&mut estimate);
+        let weight = target.iter().map(|a| 1.0 / (a * a)).collect();
+        Ok(Self { topology, rows, settings, mesh_angles, target, weight, estimate, switched_rings, moved_angles })
+    }
+
+    /// Who meets whom.
+    #[must_use]
+    pub fn topology(&self) -> &'a Topology {
+        self.topology
+    }
+
+    /// The numbering of the constraints.
+    #[must_use]
+    pub fn rows(&self) -> &ConstraintRows {
+        &self.rows
+    }
+
+    /// How the estimate was made.
+    #[must_use]
+    pub fn settings(&self) -> &EstimateSettings {
+        &self.settings
+    }
+
+    /// α°: the angles of the surface.
+    #[must_use]
+    pub fn mesh_angles(&self) -> &[f64] {
+        &self.mesh_angles
+    }
+
+    /// a: the target angles, `α° · 2π / Σα°` around an interior vertex, α° around a boundary vertex
+    /// (VMV04 §5; LinABF §4.2 calls them the exponential map of the one-ring). Can reach π and beyond
+    /// where a ring has little angle to share; never clipped.
+    #[must_use]
+    pub fn target(&self) -> &[f64] {
+        &self.target
+    }
+
+    /// w = 1/a²: the weight of each corner in the energy `Σ w (x − a)²`.
+    #[must_use]
+    pub fn weight(&self) -> &[f64] {
+        &self.weight
+    }
+
+    /// α: where to start and where LinABF linearises, inside the angle bounds.
+    #[must_use]
+    pub fn estimate(&self) -> &[f64] {
+        &self.estimate
+    }
+
+    /// How many rings start from their target angles because of their deficit.
+    #[must_use]
+    pub fn switched_rings(&self) -> usize {
+        self.switched_rings
+    }
+
+    /// How many angles of the estimate were moved to the angle bounds.
+    #[must_use]
+    pub fn moved_angles(&self) -> usize {
+        self.moved_angles
+    }
+
+    /// `2π − Σα°` at an interior vertex: its angle deficit, the discrete Gauss curvature, rad.
+    #[must_use]
+    pub fn deficit(&self, vertex: VertexId) -> f64 {
+        TAU - ring_sum(self.topology, vertex, &self.mesh_angles)
+    }
+}
+
+fn ring_sum(topology: &Topology, vertex: VertexId, angles: &[f64]) -> f64 {
+    topology.fan(vertex).map(|c| angles[c.index()]).sum()
+}
+
+fn check_angles(topology: &Topology, angles: &[f64]) -> Result<(), ProblemError> {
+    if angles.len() != topology.corner_count() {
+        return Err(ProblemError::AngleCount { given: angles.len(), corners: topology.corner_count() });
+    }
+    let outside = |x: &f64| !(*x > 0.0 && *x < PI);
+    match angles.iter().position(outside) {
+        None => Ok(()),
+        Some(c) => Err(ProblemError::Angle {
+            corner: c % 3,
+            face: c / 3,
+            angle: angles[c],
+            count: angles.iter().filter(|x| outside(x)).count(),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abf_shapes::Shape;
+
+    fn topology(mesh: &abf_mesh::TriMesh) -> Topology {
+        Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold")
+    }
+
+    #[test]
+    fn targets_close_every_ring() {
+        let mesh = Shape::BumpySheet.mesh(500);
+        let topology = topology(&mesh);
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        for &v in problem.rows().interior() {
+            assert!((ring_sum(&topology, v, problem.target()) - TAU).abs() < 1e-13);
+        }
+        for c in topology.corners().filter(|&c| topology.is_boundary(topology.vertex(c))) {
+            assert_eq!(problem.target()[c.index()], problem.mesh_angles()[c.index()]);
+        }
+    }
+
+    #[test]
+    fn the_ring_switch_takes_the_target_on_rings_of_large_deficit_only() {
+        let mesh = Shape::Obtuse.mesh(3);
+        let topology = topology(&mesh);
+        let with = |ring_switch| {
+            let settings = EstimateSettings { ring_switch, ..EstimateSettings::default() };
+            AngleProblem::new(&topology, mesh.corner_angles(), settings).expect("a disk")
+        };
+        assert_eq!(with(Some(1.0)).switched_rings(), 1);
+        assert_eq!(with(Some(5.0)).switched_rings(), 0);
+        assert_eq!(with(None).estimate(), mesh.corner_angles());
+        let problem = with(Some(1.0));
+        assert!((problem.deficit(problem.rows().interior()[0]).abs() - 4.56).abs() < 0.01);
+    }
+
+    #[test]
+    fn angles_outside_the_bounds_are_moved_and_counted() {
+        let settings = EstimateSettings::default();
+        let mut angles = [-0.5, 1.0, 3.2, f64::NAN, settings.angle_bound];
+        assert_eq!(settings.clamp(&mut angles), 3);
+        assert_eq!(angles, [1e-3, 1.0, PI - 1e-3, 1e-3, 1e-3]);
+    }
+
+    #[test]
+    fn bad_settings_and_angles_are_named() {
+        let mesh = Shape::Obtuse.mesh(3);
+        let topology = topology(&mesh);
+        let bad = EstimateSettings { angle_bound: 2.0, ..EstimateSettings::default() };
+        let e = AngleProblem::new(&topology, mesh.corner_angles(), bad).unwrap_err();
+        assert_eq!(e.to_string(), "angle_bound must be in (0, π/3), got 2");
+        let mut angles = mesh.corner_angles();
+        angles[4] = 0.0;
+        let e = AngleProblem::new(&topology, angles, EstimateSettings::default()).unwrap_err();
+        assert_eq!(e, ProblemError::Angle { corner: 1, face: 1, angle: 0.0, count: 1 });
+        let e = AngleProblem::new(&topology, vec![1.0; 4], EstimateSettings::default()).unwrap_err();
+        assert_eq!(e, ProblemError::AngleCount { given: 4, corners: 9 });
+    }
+}

@@ -1,0 +1,224 @@
+//! The distortion of every triangle by itself.
+
+use abf_mesh::{FaceId, Point2, Point3, TriMesh, UvMap};
+
+use crate::MetricsError;
+use crate::charts::Charts;
+use crate::triangle::{
+    angles, is_within_rounding, largest_singular_value, power_of_two_scale, signed_uv_area, surface_area,
+};
+
+/// How a UV triangle lies in the plane, compared with its chart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Orientation {
+    /// Turned the way of the area-weighted majority of its chart.
+    Kept,
+    /// Turned the other way.
+    Flipped,
+    /// Its three UVs lie on one line.
+    Collapsed,
+}
+
+impl Orientation {
+    /// `+1` for kept, `−1` for flipped, `0` for collapsed.
+    #[must_use]
+    pub const fn sign(self) -> i8 {
+        match self {
+            Self::Kept => 1,
+            Self::Flipped => -1,
+            Self::Collapsed => 0,
+        }
+    }
+}
+
+/// What became of one triangle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaceDistortion {
+    /// How it lies, by the exact sign of its area.
+    pub orientation: Orientation,
+    /// Whether its UV area is no more than the rounding of its coordinates can make:
+    /// `A₂ ≤ 4 ε · max |coordinate| · (|e₁| + |e₂|)`. Always so for a collapsed triangle. Its
+    /// stretch and its quasi-conformal distortion count as infinite.
+    pub within_rounding: bool,
+    /// Whether it has no area in 3-D to compare with: `A₃ ≤ 1e-14 ΣA₃`. The distortions and angles
+    /// of such a triangle mean nothing and enter no sum.
+    pub degenerate_3d: bool,
+    /// Its part of the whole surface, `A₃ / ΣA₃`.
+    pub surface_share: f64,
+    /// Area distortion `(A₂ / A₃) / (ΣA₂ / ΣA₃)`: 1 where the map keeps areas up to its overall
+    /// scale, below 1 where it shrinks.
+    pub area_ratio: f64,
+    /// L² stretch `√((s₁² + s₂²) / 2) · √(ΣA₂ / ΣA₃)` (Sander et al. 2001): 1 for an isometry.
+    pub stretch_l2: f64,
+    /// L∞ stretch `s₁ · √(ΣA₂ / ΣA₃)` (Sander et al. 2001): 1 for an isometry.
+    pub stretch_linf: f64,
+    /// Quasi-conformal distortion `s₁ / s₂`: 1 for a similarity, never less.
+    pub quasi_conformal: f64,
+    /// The angles α° in 3-D at the three corners, in radians.
+    pub mesh_angles: [f64; 3],
+    /// The angles x in the plane at the three corners, in radians, without sign.
+    pub uv_angles: [f64; 3],
+}
+
+impl FaceDistortion {
+    /// The angle errors `x − α°` at the three corners, in radians.
+    #[must_use]
+    pub fn angle_errors(&self) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.uv_angles[k] - self.mesh_angles[k])
+    }
+}
+
+/// Measures every triangle of a mesh against its UV triangle, in the order of the faces.
+///
+/// # Errors
+/// [`MetricsError`] when there is nothing to compare.
+pub fn per_face(mesh: &TriMesh, uv: &UvMap) -> Result<Vec<FaceDistortion>, MetricsError> {
+    Ok(Survey::new(mesh, uv)?.faces().collect())
+}
+
+/// A mesh and its UVs, each scaled to coordinates around 1, with everything that has to be known
+/// about the whole before one face can be judged.
+pub(crate) struct Survey<'a> {
+    mesh: &'a TriMesh,
+    uv: &'a UvMap,
+    surface_scale: f64,
+    uv_scale: f64,
+    charts: Charts,
+    /// For every chart the sign of its net area.
+    majority: Vec<f64>,
+    /// For every face its area in 3-D and its signed area in the plane, both in scaled units.
+    areas: Vec<(f64, f64)>,
+    total_surface: f64,
+    total_uv: f64,
+}
+
+impl<'a> Survey<'a> {
+    /// Checks the input and takes the totals.
+    pub(crate) fn new(mesh: &'a TriMesh, uv: &'a UvMap) -> Result<Self, MetricsError> {
+        check(mesh, uv)?;
+        let surface_scale = power_of_two_scale(largest(mesh.triangles().flatten().map(|p| p.coords.amax())));
+        let uv_scale = power_of_two_scale(largest(uv.triangles().flatten().map(|p| p.coords.amax())));
+        let areas: Vec<(f64, f64)> = mesh
+            .triangles()
+            .zip(uv.triangles())
+            .map(|(surface, flat)| {
+                (surface_area(&surface.map(|p| p * surface_scale)), signed_uv_area(&flat.map(|p| p * uv_scale)))
+            })
+            .collect();
+        let total_surface = areas.iter().map(|&(surface, _)| surface).sum();
+        if total_surface == 0.0 {
+            return Err(MetricsError::NoArea { faces: mesh.face_count() });
+        }
+        let total_uv = areas.iter().map(|&(_, flat)| flat.abs()).sum();
+        let charts = Charts::find(uv);
+        let majority = majority_signs(&charts, &areas);
+        Ok(Self { mesh, uv, surface_scale, uv_scale, charts, majority, areas, total_surface, total_uv })
+    }
+
+    /// How many charts the map has.
+    pub(crate) fn chart_count(&self) -> usize {
+        self.charts.count
+    }
+
+    /// The total area in 3-D, in the units of the mesh.
+    pub(crate) fn surface_area(&self) -> f64 {
+        // Divided twice, because the square of the scale may overflow.
+        self.total_surface / self.surface_scale / self.surface_scale
+    }
+
+    /// The total area in the plane, without sign, in the units of the UVs.
+    pub(crate) fn uv_area(&self) -> f64 {
+        self.total_uv / self.uv_scale / self.uv_scale
+    }
+
+    /// Every face, measured when asked for.
+    pub(crate) fn faces(&self) -> impl Iterator<Item = FaceDistortion> + '_ {
+        (0..self.areas.len()).map(|f| self.face(FaceId::new(f)))
+    }
+
+    fn face(&self, face: FaceId) -> FaceDistortion {
+        /// The share of the surface below which a triangle has no shape to compare with.
+        const NO_SURFACE: f64 = 1e-14;
+        let surface = self.mesh.triangle(face).map(|p| p * self.surface_scale);
+        let flat = self.uv.triangle(face).map(|p| p * self.uv_scale);
+        let (area_3d, signed) = self.areas[face.index()];
+        let area_uv = signed.abs();
+        let within_rounding = is_within_rounding(&flat, area_uv);
+        let [stretch_l2, stretch_linf, quasi_conformal] =
+            if within_rounding { [f64::INFINITY; 3] } else { self.stretch(&surface, &flat, area_3d, area_uv) };
+        let surface_share = area_3d / self.total_surface;
+        // A map without any area has shrunk every triangle to nothing, not to 0/0.
+        let uv_share = if area_uv > 0.0 { area_uv / self.total_uv } else { 0.0 };
+        FaceDistortion {
+            orientation: self.orientation(face, signed),
+            within_rounding,
+            degenerate_3d: surface_share <= NO_SURFACE,
+            surface_share,
+            area_ratio: uv_share / surface_share,
+            stretch_l2,
+            stretch_linf,
+            quasi_conformal,
+            mesh_angles: angles(&surface, area_3d),
+            uv_angles: angles(&flat, area_uv),
+        }
+    }
+
+    /// L² stretch, L∞ stretch and quasi-conformal distortion of a triangle with area in the plane.
+    fn stretch(&self, surface: &[Point3<f64>; 3], flat: &[Point2<f64>; 3], area_3d: f64, area_uv: f64) -> [f64; 3] {
+        let to_isometry = (self.total_uv / self.total_surface).sqrt();
+        let s1 = largest_singular_value(surface, flat, area_uv);
+        let s2 = area_3d / area_uv / s1;
+        [(0.5 * (s1 * s1 + s2 * s2)).sqrt() * to_isometry, s1 * to_isometry, s1 / s2]
+    }
+
+    fn orientation(&self, face: FaceId, signed_area: f64) -> Orientation {
+        let along_majority = signed_area * self.majority[self.charts.of_face[face.index()]];
+        if along_majority > 0.0 {
+            Orientation::Kept
+        } else if along_majority < 0.0 {
+            Orientation::Flipped
+        } else {
+            Orientation::Collapsed
+        }
+    }
+}
+
+/// For every chart `+1` or `−1`, the sign of the sum of its signed areas; `+1` for a sum of zero.
+fn majority_signs(charts: &Charts, areas: &[(f64, f64)]) -> Vec<f64> {
+    let mut net = vec![0.0; charts.count];
+    for (&chart, &(_, signed)) in charts.of_face.iter().zip(areas) {
+        net[chart] += signed;
+    }
+    net.iter().map(|&sum| if sum < 0.0 { -1.0 } else { 1.0 }).collect()
+}
+
+/// The largest of numbers that are not negative.
+fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.fold(0.0, f64::max)
+}
+
+fn check(mesh: &TriMesh, uv: &UvMap) -> Result<(), MetricsError> {
+    let (faces, corners) = (mesh.face_count(), uv.corners().len());
+    if faces == 0 {
+        return Err(MetricsError::NoFaces);
+    }
+    if corners != 3 * faces {
+        return Err(MetricsError::CornerCount { corners, faces });
+    }
+    let finite = |p: &Point3<f64>| p.iter().all(|x| x.is_finite());
+    if let Some((first, count)) = first_and_count(mesh.triangles().map(|t| !t.iter().all(finite))) {
+        return Err(MetricsError::PositionNotFinite { first, count });
+    }
+    let finite = |p: &Point2<f64>| p.iter().all(|x| x.is_finite());
+    if let Some((first, count)) = first_and_count(uv.triangles().map(|t| !t.iter().all(finite))) {
+        return Err(MetricsError::UvNotFinite { first, count });
+    }
+    Ok(())
+}
+
+/// The first face that is bad and how many are, if any is.
+fn first_and_count(bad: impl Iterator<Item = bool>) -> Option<(FaceId, usize)> {
+    let mut bad = bad.enumerate().filter(|&(_, bad)| bad);
+    let (first, _) = bad.next()?;
+    Some((FaceId::new(first), 1 + bad.count()))
+}

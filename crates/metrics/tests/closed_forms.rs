@@ -1,0 +1,248 @@
+//! Maps whose distortion is known in closed form, and maps with something wrong with them.
+
+mod support;
+
+use abf_mesh::{FaceId, Point2, Point3, TriMesh, UvMap};
+use abf_metrics::{FaceDistortion, Metrics, MetricsError, Orientation, measure, per_face};
+use std::f64::consts::FRAC_PI_4;
+use support::{mesh, per_vertex, sheet, uv_map};
+
+fn measured(mesh: &TriMesh, uv: &UvMap) -> Metrics {
+    measure(mesh, uv).expect("a mesh with UVs")
+}
+
+#[track_caller]
+fn assert_near(found: f64, expected: f64) {
+    assert!((found - expected).abs() <= 1e-12 * expected.abs().max(1.0), "{found} instead of {expected}");
+}
+
+#[track_caller]
+fn assert_no_distortion(m: &Metrics) {
+    assert!(m.valid() && m.near_collapsed == 0 && m.degenerate_3d == 0, "{m:?}");
+    for zero in [m.f, m.f_weighted, m.max_angle_error, m.area_l2] {
+        assert!(zero.abs() < 1e-12, "{m:?}");
+    }
+    for one in [m.stretch_l2, m.stretch_linf, m.qc_mean, m.qc_max] {
+        assert_near(one, 1.0);
+    }
+}
+
+/// The unit square of two triangles.
+fn square() -> TriMesh {
+    sheet(1, |_, _| 0.0)
+}
+
+#[test]
+fn an_isometry_has_no_distortion() {
+    // A sheet bent along x only, unrolled: every square keeps its side along y and its slanted one.
+    let bent = sheet(5, |x, _| if x % 2.0 == 0.0 { 0.0 } else { 0.75 });
+    let m = measured(&bent, &per_vertex(&bent, |p| [1.25 * p.x, p.y]));
+    assert_no_distortion(&m);
+    assert_eq!((m.triangles, m.charts), (50, 1));
+    assert_near(m.surface_area, 5.0 * 6.25);
+    assert_near(m.uv_area, 5.0 * 6.25);
+}
+
+#[test]
+fn a_similarity_has_no_distortion() {
+    let flat = sheet(4, |_, _| 3.0);
+    let m = measured(&flat, &per_vertex(&flat, |p| [4.0 - 3.0 * p.y, 3.0 * p.x + 7.0]));
+    assert_no_distortion(&m);
+    assert_near(m.uv_area, 9.0 * m.surface_area);
+}
+
+#[test]
+fn an_affine_stretch_has_the_values_of_its_singular_values() {
+    let flat = sheet(3, |_, _| 0.0);
+    let m = measured(&flat, &per_vertex(&flat, |p| [2.0 * p.x, 0.5 * p.y]));
+    assert_near(m.stretch_l2, ((4.0 + 0.25) / 2.0_f64).sqrt());
+    assert_near(m.stretch_linf, 2.0);
+    assert_near(m.qc_mean, 4.0);
+    assert_near(m.qc_max, 4.0);
+    assert_near(m.area_l2, 0.0);
+    // The right angle stays, one angle of 45° becomes atan ¼, the other as much larger.
+    let error = FRAC_PI_4 - 0.25_f64.atan();
+    assert_near(m.f, 2.0 * error.powi(2) / 3.0);
+    assert_near(m.f_weighted, 2.0 * (error / FRAC_PI_4).powi(2) / 3.0);
+    assert_near(m.max_angle_error, error);
+}
+
+#[test]
+fn charts_of_different_scale_have_area_distortion_and_no_angle_error() {
+    let m = measured(
+        &square(),
+        &uv_map(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [5.0, 0.0], [7.0, 2.0], [5.0, 2.0]], &[[0, 1, 2], [3, 4, 5]]),
+    );
+    // Areas ½ and ½ become ½ and 2: the mean scale is 5/2.
+    assert_eq!(m.charts, 2);
+    assert_near(m.area_l2, ((0.4_f64.ln().powi(2) + 1.6_f64.ln().powi(2)) / 2.0).sqrt());
+    assert_near(m.stretch_l2, ((1.0 + 0.25) / 2.0 * 2.5_f64).sqrt());
+    assert_near(m.stretch_linf, 2.5_f64.sqrt());
+    assert_near(m.qc_max, 1.0);
+    assert_near(m.f, 0.0);
+}
+
+#[test]
+fn a_seam_does_not_change_the_figures() {
+    let flat = square();
+    let whole = per_vertex(&flat, |p| [2.0 * p.x + p.y, p.y]);
+    let every_corner: Vec<[f64; 2]> = whole.triangles().flatten().map(|p| [p.x, p.y]).collect();
+    let cut_open = uv_map(&every_corner, &[[0, 1, 2], [3, 4, 5]]);
+    let (whole, cut_open) = (measured(&flat, &whole), measured(&flat, &cut_open));
+    assert_eq!(cut_open.charts, 2);
+    assert_eq!(Metrics { charts: 1, ..cut_open }, whole);
+}
+
+#[test]
+fn a_vertex_pulled_over_an_edge_flips_the_triangle_at_that_edge() {
+    // A square fanned around its centre; the centre of the map lies beyond the right side.
+    let fan = mesh(
+        &[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 0.0]],
+        &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
+    );
+    let m = measured(&fan, &per_vertex(&fan, |p| if p.x == 1.0 { [3.0, 1.0] } else { [p.x, p.y] }));
+    assert_eq!((m.flips, m.collapsed, m.near_collapsed), (1, 0, 0));
+    assert_eq!(m.flipped_faces, [FaceId::new(1)]);
+    assert!(!m.valid());
+    assert_near(m.uv_area, 1.0 + 3.0 + 1.0 + 1.0);
+    assert!(m.stretch_l2.is_finite() && m.stretch_linf.is_finite());
+    let signs: Vec<i8> = faces_of(&fan, [3.0, 1.0]).iter().map(|o| o.sign()).collect();
+    assert_eq!(signs, [1, -1, 1, 1]);
+}
+
+/// How the faces of a fan lie when its centre goes to `centre`.
+fn faces_of(fan: &TriMesh, centre: [f64; 2]) -> Vec<Orientation> {
+    let map = per_vertex(fan, |p| if p.x == 1.0 { centre } else { [p.x, p.y] });
+    per_face(fan, &map).expect("a mesh with UVs").iter().map(|face| face.orientation).collect()
+}
+
+#[test]
+fn a_collapsed_triangle_is_invalid_and_its_stretch_infinite() {
+    let m = measured(&square(), &uv_map(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.3, 0.3]], &[[0, 1, 2], [0, 2, 3]]));
+    assert_eq!((m.flips, m.collapsed, m.near_collapsed), (0, 1, 0));
+    assert_eq!(m.collapsed_faces, [FaceId::new(1)]);
+    assert!(!m.valid());
+    for infinite in [m.stretch_l2, m.stretch_linf, m.qc_mean, m.qc_max, m.area_l2] {
+        assert_eq!(infinite, f64::INFINITY);
+    }
+    assert!(m.f.is_finite() && m.f_weighted.is_finite());
+}
+
+#[test]
+fn a_triangle_within_rounding_of_a_line_is_valid_but_counted() {
+    let map = |y: f64| uv_map(&[[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.5, y]], &[[0, 1, 2], [0, 2, 3]]);
+    let above = measured(&square(), &map(1.5_f64.next_up()));
+    assert_eq!((above.flips, above.collapsed, above.near_collapsed), (0, 0, 1));
+    assert!(above.valid());
+    assert_eq!(above.stretch_l2, f64::INFINITY);
+    let on = measured(&square(), &map(1.5));
+    assert_eq!((on.flips, on.collapsed, on.near_collapsed), (0, 1, 0));
+    let below = measured(&square(), &map(1.5_f64.next_down()));
+    assert_eq!((below.flips, below.collapsed, below.near_collapsed), (1, 0, 0));
+}
+
+#[test]
+fn a_map_to_one_point_is_measured_not_refused() {
+    let m = measured(&square(), &per_vertex(&square(), |_| [0.25, -1.0]));
+    assert_eq!((m.flips, m.collapsed, m.near_collapsed), (0, 2, 0));
+    assert_eq!((m.stretch_l2, m.area_l2, m.uv_area), (f64::INFINITY, f64::INFINITY, 0.0));
+    assert_eq!(m, measured(&square(), &per_vertex(&square(), |_| [0.0, 0.0])));
+}
+
+#[test]
+fn a_chart_mirrored_as_a_whole_is_not_flipped() {
+    let m = measured(
+        &square(),
+        &uv_map(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [5.0, 0.0], [4.0, 1.0], [5.0, 1.0]], &[[0, 1, 2], [3, 4, 5]]),
+    );
+    assert_eq!((m.charts, m.flips), (2, 0));
+    assert_no_distortion(&m);
+}
+
+#[test]
+fn a_face_without_area_in_space_is_left_out_of_the_distortion() {
+    let mut positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.0, 0.0]];
+    let faces = [[0, 1, 2], [0, 2, 3], [0, 4, 1]];
+    let uv = uv_map(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, -0.5]], &faces);
+    let m = measured(&mesh(&positions, &faces), &uv);
+    assert_eq!((m.degenerate_3d, m.flips, m.collapsed), (1, 0, 0));
+    assert!(m.f < 1e-30 && (m.qc_max - 1.0).abs() < 1e-12, "{m:?}");
+    // Its UV area still belongs to the map: 5/4 against 1.
+    assert_near(m.stretch_linf, 1.25_f64.sqrt());
+    // A face of three equal points is no different.
+    positions[4] = [0.0; 3];
+    assert_eq!(measured(&mesh(&positions, &[[0, 1, 2], [0, 2, 3], [0, 4, 0]]), &uv), m);
+}
+
+#[test]
+fn only_the_first_offenders_are_listed_but_all_are_counted() {
+    // Every second face is turned over, and those are the smaller ones.
+    let flat = sheet(5, |_, _| 0.0);
+    let mut points = vec![[0.0, 0.0], [1.0, 0.0]];
+    let mut faces = Vec::new();
+    for f in 0..flat.face_count() {
+        points.push(if f % 2 == 0 { [0.5, 2.0] } else { [0.5, -1.0] });
+        faces.push([0, 1, f + 2]);
+    }
+    let m = measured(&flat, &uv_map(&points, &faces));
+    assert_eq!(m.flips, 25);
+    let listed: Vec<usize> = m.flipped_faces.iter().map(|f| f.index()).collect();
+    assert_eq!(listed, (0..Metrics::LISTED).map(|i| 2 * i + 1).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_closed_surface_and_an_edge_of_three_faces_are_measured_too() {
+    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let tetrahedron = mesh(&points, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+    let m = measured(&tetrahedron, &per_vertex(&tetrahedron, |p| [p.x - 0.2 * p.z, p.y - 0.3 * p.z]));
+    assert_eq!((m.charts, m.flips), (1, 1), "three faces cover the fourth from the other side");
+    let book = mesh(&points, &[[0, 1, 2], [0, 1, 3], [1, 0, 2]]);
+    assert_eq!(measured(&book, &per_vertex(&book, |p| [p.x, p.y + 2.0 * p.z])).triangles, 3);
+}
+
+#[test]
+fn json_holds_indices_and_null_for_infinity() {
+    let m = measured(&square(), &uv_map(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.5]], &[[0, 1, 2], [0, 2, 3]]));
+    let json = serde_json::to_value(&m).expect("plain data");
+    assert_eq!(json["collapsed_faces"], serde_json::json!([1]));
+    assert_eq!(json["flipped_faces"], serde_json::json!([]));
+    assert!(json["stretch_l2"].is_null());
+    assert_eq!(json["collapsed"], 1);
+}
+
+#[test]
+fn the_sums_are_those_of_the_faces() {
+    let bumpy = sheet(6, |x, y| (1.3 * x).sin() * (0.7 * y).cos());
+    let uv = per_vertex(&bumpy, |p| [p.x + 0.2 * p.y * p.y, p.y - 0.1 * p.x * p.y]);
+    let (m, faces) = (measured(&bumpy, &uv), per_face(&bumpy, &uv).expect("a mesh with UVs"));
+    assert_near(faces.iter().map(|f| f.surface_share).sum(), 1.0);
+    assert_near(faces.iter().map(|f| f.surface_share * f.area_ratio).sum(), 1.0);
+    assert_near(faces.iter().map(|f| f.surface_share * f.stretch_l2.powi(2)).sum::<f64>().sqrt(), m.stretch_l2);
+    assert_eq!(faces.iter().map(|f| f.stretch_linf).fold(0.0, f64::max), m.stretch_linf);
+    let squares = faces.iter().flat_map(FaceDistortion::angle_errors).map(|e| e * e).sum::<f64>();
+    assert_near(squares / (3 * faces.len()) as f64, m.f);
+    let angles: Vec<f64> = faces.iter().flat_map(|f| f.mesh_angles).collect();
+    for (found, expected) in angles.iter().zip(bumpy.corner_angles()) {
+        assert_near(*found, expected);
+    }
+}
+
+#[test]
+fn what_cannot_be_measured_is_said() {
+    let flat = square();
+    let uv = per_vertex(&flat, |p| [p.x, p.y]);
+    let refused = |mesh: &TriMesh, uv: &UvMap| measure(mesh, uv).expect_err("nothing to measure");
+
+    assert_eq!(refused(&mesh(&[], &[]), &UvMap::new(vec![], vec![])), MetricsError::NoFaces);
+    assert_eq!(refused(&sheet(2, |_, _| 0.0), &uv), MetricsError::CornerCount { corners: 6, faces: 8 });
+    let line = sheet(1, |_, _| 0.0).positions().iter().map(|p| Point3::new(p.x, p.x, p.x)).collect();
+    let line = TriMesh::new(line, &[[0, 1, 2], [1, 2, 3]]).expect("indices in range");
+    assert_eq!(refused(&line, &uv), MetricsError::NoArea { faces: 2 });
+
+    let not_finite = uv.clone().mapped(|p| if p.y == 0.0 && p.x == 1.0 { Point2::new(f64::NAN, 0.0) } else { p });
+    let e = refused(&flat, &not_finite);
+    assert_eq!(e, MetricsError::UvNotFinite { first: FaceId::new(0), count: 1 });
+    assert_eq!(e.to_string(), "face 0 has a UV that is not finite (1 such faces in all)");
+    let not_finite = sheet(1, |x, _| if x == 0.0 { f64::INFINITY } else { 0.0 });
+    assert_eq!(refused(&not_finite, &uv), MetricsError::PositionNotFinite { first: FaceId::new(0), count: 2 });
+}

@@ -1,0 +1,99 @@
+//! The reduced system by sparse Cholesky.
+
+use crate::{KktStep, KktSystem, KktVector, LinearError, LinearStats, ReducedSystem, StepError, Watch};
+use abf_constraints::ConstraintRows;
+use abf_linalg::{Refinement, SymbolicCholesky, SymmetricMatrix};
+use abf_mesh::Topology;
+use std::sync::Arc;
+
+/// Solves a step with `Λ > 0` by a Cholesky factorisation of `S`: analysed once, factorised in
+/// every step, refined when the true residual is above the tolerance.
+#[derive(Debug)]
+pub struct DirectStep {
+    system: ReducedSystem,
+    symbolic: Arc<SymbolicCholesky>,
+    matrix: SymmetricMatrix<f64>,
+    rhs: Vec<f64>,
+}
+
+impl DirectStep {
+    /// Orders and analyses the system of a topology.
+    ///
+    /// # Errors
+    /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
+    pub fn new(topology: &Topology, rows: &ConstraintRows) -> Result<Self, LinearError> {
+        let system = ReducedSystem::new(topology, rows)?;
+        let symbolic = SymbolicCholesky::analyse(Arc::clone(system.pattern()))?;
+        let matrix = SymmetricMatrix::zeros(Arc::clone(system.pattern()));
+        let rhs = vec![0.0; matrix.size()];
+        Ok(Self { system, symbolic, matrix, rhs })
+    }
+}
+
+impl KktStep for DirectStep {
+    fn step(
+        &mut self,
+        kkt: &KktSystem<'_>,
+        tolerance: f64,
+        watch: &mut Watch<'_>,
+        out: &mut KktVector,
+    ) -> Result<LinearStats, StepError> {
+        self.system.assemble(kkt, &mut self.matrix, &mut self.rhs);
+        // A factorisation cannot be interrupted, so ask before it.
+        if !watch.inner(0, f64::NAN) {
+            return Err(StepError::Interrupted);
+        }
+        let factors = self.symbolic.factorise(&self.matrix)?;
+        let refinement = Refinement { tolerance, ..Refinement::default() };
+        let stats = factors.solve(&self.matrix, &mut self.rhs, refinement)?;
+        self.system.back_substitute(kkt, &self.rhs, out);
+        Ok(stats)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Silent, StopCriteria};
+    use abf_constraints::{Jacobian, WheelDerivative, WheelForm};
+    use abf_shapes::Shape;
+
+    /// Both block rows of the KKT system, by explicit multiplication with J.
+    #[test]
+    fn the_step_satisfies_both_block_rows() {
+        let mesh = Shape::BumpySheet.mesh(600);
+        let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
+        let rows = ConstraintRows::new(&topology);
+        let angles = mesh.corner_angles();
+        let wheel = WheelDerivative::new(WheelForm::Log, &topology, &rows, &angles);
+        let lambda: Vec<f64> = angles.iter().map(|x| 2.0 / (x * x)).collect();
+        let gradient: Vec<f64> = (0..angles.len()).map(|c| (0.9 * c as f64).cos()).collect();
+        let residual: Vec<f64> = (0..rows.len()).map(|r| 0.1 * (1.3 * r as f64).sin()).collect();
+        let kkt = KktSystem {
+            topology: &topology,
+            rows: &rows,
+            lambda: &lambda,
+            wheel: &wheel,
+            gradient: &gradient,
+            residual: &residual,
+        };
+        let mut out = KktVector::default();
+        let mut silent = Silent;
+        let mut watch = Watch::start(&StopCriteria::default(), &mut silent);
+        let mut step = DirectStep::new(&topology, &rows).expect("fits");
+        let stats = step.step(&kkt, 1e-12, &mut watch, &mut out).expect("positive definite");
+        assert!(stats.relative_residual < 1e-12);
+
+        let mut jacobian = Jacobian::new(&topology, &rows);
+        jacobian.update(&topology, &rows, &wheel);
+        let mut top: Vec<f64> = (0..angles.len()).map(|c| lambda[c] * out.delta[c] + gradient[c]).collect();
+        let mut bottom = residual.clone();
+        for (&value, (row, column)) in &jacobian.view() {
+            let (row, column) = (row as usize, column as usize);
+            top[column] += value * out.multipliers[row];
+            bottom[row] += value * out.delta[column];
+        }
+        let largest = |v: &[f64]| v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        assert!(largest(&top) < 1e-9 && largest(&bottom) < 1e-10, "{} {}", largest(&top), largest(&bottom));
+    }
+}

@@ -1,0 +1,172 @@
+//! The reduced system `S μ_R = r`: vertex and wheel multipliers only.
+
+use crate::{KktSystem, KktVector, LinearError};
+use abf_constraints::{ConstraintRows, TriangleReduction, TriangleRows};
+use abf_linalg::{Graph, Permutation, SymmetricMatrix, SymmetricPattern};
+use abf_mesh::{CornerId, FaceId, Topology};
+use std::sync::Arc;
+
+/// Marks an edge of a triangle with an end on the boundary: it has no block in `S`.
+const NO_BLOCK: u32 = u32::MAX;
+
+/// The pattern of `S` and the place of every triangle in it, made once per topology.
+///
+/// `S` has a 2 × 2 block (vertex, wheel) for every interior vertex and every edge between two of
+/// them. The vertices are ordered to keep the fill low, each then takes two unknowns in a row.
+#[derive(Debug)]
+pub struct ReducedSystem {
+    order: Permutation,
+    pattern: Arc<SymmetricPattern>,
+    /// For each triangle and `k`, where the block between corners `k` and `k + 1` begins.
+    edge_slot: Vec<[u32; 3]>,
+}
+
+impl ReducedSystem {
+    /// Orders the interior vertices and lays out `S`.
+    ///
+    /// # Errors
+    /// [`LinearError`] when the ordering does not fit in memory or in 32-bit indices.
+    pub fn new(topology: &Topology, rows: &ConstraintRows) -> Result<Self, LinearError> {
+        let graph = Graph::from_edges(rows.interior_count(), interior_edges(topology, rows));
+        let order = graph.amd()?;
+        let pattern = Arc::new(SymmetricPattern::of_blocks(&graph, &order, 2));
+        let interior = |c: CornerId| rows.interior_index(topology.vertex(c));
+        let edge_slot = topology
+            .faces()
+            .map(|f| {
+                [0, 1, 2].map(|k| match (interior(f.corner(k)), interior(f.corner((k + 1) % 3))) {
+                    (Some(a), Some(b)) => {
+                        let (a, b) = (order.new_index(a), order.new_index(b));
+                        pattern.slot(2 * a.max(b), 2 * a.min(b)) as u32
+                    }
+                    _ => NO_BLOCK,
+                })
+            })
+            .collect();
+        Ok(Self { order, pattern, edge_slot })
+    }
+
+    /// Where `S` has entries.
+    #[must_use]
+    pub fn pattern(&self) -> &Arc<SymmetricPattern> {
+        &self.pattern
+    }
+
+    /// The unknown of the vertex multiplier of the `interior`-th interior vertex; that of its wheel
+    /// multiplier is the next one.
+    #[inline]
+    #[must_use]
+    pub fn unknown(&self, interior: usize) -> usize {
+        2 * self.order.new_index(interior)
+    }
+
+    /// `S = Σ R P Rᵀ`, triangle by triangle, into `matrix`; and `r = h_R − Σ R (P g + s h_t)` into `rhs`.
+    ///
+    /// # Panics
+    /// If `matrix` has another pattern or `rhs` another length.
+    pub fn assemble(&self, kkt: &KktSystem<'_>, matrix: &mut SymmetricMatrix<f64>, rhs: &mut [f64]) {
+        assert!(Arc::ptr_eq(matrix.pattern(), &self.pattern), "a matrix of this system");
+        matrix.values.fill(0.0);
+        for i in 0..kkt.rows.interior_count() {
+            let u = self.unknown(i);
+            rhs[u] = kkt.residual[kkt.rows.vertex(i)];
+            rhs[u + 1] = kkt.residual[kkt.rows.wheel(i)];
+        }
+        for face in kkt.topology.faces() {
+            let local = LocalSystem::new(kkt, face);
+            let block = local.rows.schur_block(&local.reduction);
+            self.scatter(&local.rows, face, &block, &mut matrix.values);
+            self.scatter_rhs(&local, kkt, rhs);
+        }
+    }
+
+    /// Everything else of the step from the solution of the reduced system: `δ` and all multipliers.
+    pub fn back_substitute(&self, kkt: &KktSystem<'_>, solution: &[f64], out: &mut KktVector) {
+        out.delta.resize(kkt.lambda.len(), 0.0);
+        out.multipliers.resize(kkt.rows.len(), 0.0);
+        for i in 0..kkt.rows.interior_count() {
+            let u = self.unknown(i);
+            out.multipliers[kkt.rows.vertex(i)] = solution[u];
+            out.multipliers[kkt.rows.wheel(i)] = solution[u + 1];
+        }
+        for face in kkt.topology.faces() {
+            let local = LocalSystem::new(kkt, face);
+            let of = |part: usize| local.rows.interior.map(|i| i.map_or(0.0, |i| solution[self.unknown(i) + part]));
+            let back = local.rows.apply_transposed(of(0), of(1));
+            let q = [0, 1, 2].map(|k| local.gradient[k] + back[k]);
+            let (projected, shift) = (local.reduction.project(q), local.reduction.shift(local.residual));
+            for (k, c) in face.corners().into_iter().enumerate() {
+                out.delta[c.index()] = -projected[k] - shift[k];
+            }
+            out.multipliers[kkt.rows.triangle(face)] = local.reduction.multiplier(local.residual, q);
+        }
+    }
+
+    /// Adds one triangle's 6 × 6 block to the lower triangle of `S`.
+    fn scatter(&self, rows: &TriangleRows, face: FaceId, block: &[[f64; 6]; 6], values: &mut [f64]) {
+        for k in 0..3 {
+            let Some(a) = rows.interior[k].map(|i| self.unknown(i)) else { continue };
+            let diagonal = self.pattern.column(a).start;
+            let wheel_diagonal = self.pattern.column(a + 1).start;
+            values[diagonal] += block[k][k];
+            values[diagonal + 1] += block[3 + k][k];
+            values[wheel_diagonal] += block[3 + k][3 + k];
+
+            let next = (k + 1) % 3;
+            let Some(b) = rows.interior[next].map(|i| self.unknown(i)) else { continue };
+            let (lower, upper) = if a > b { (k, next) } else { (next, k) };
+            let slot = self.edge_slot[face.index()][k] as usize;
+            // The next column holds the same later rows, but one entry less above them.
+            let wheel_slot = slot + self.pattern.column(a.min(b)).len() - 1;
+            values[slot] += block[lower][upper];
+            values[slot + 1] += block[3 + lower][upper];
+            values[wheel_slot] += block[lower][3 + upper];
+            values[wheel_slot + 1] += block[3 + lower][3 + upper];
+        }
+    }
+
+    fn scatter_rhs(&self, local: &LocalSystem, kkt: &KktSystem<'_>, rhs: &mut [f64]) {
+        debug_assert_eq!(rhs.len(), 2 * kkt.rows.interior_count());
+        let (projected, shift) = (local.reduction.project(local.gradient), local.reduction.shift(local.residual));
+        let (vertex, wheel) = local.rows.apply([0, 1, 2].map(|k| projected[k] + shift[k]));
+        for (k, i) in local.rows.interior.into_iter().enumerate() {
+            if let Some(u) = i.map(|i| self.unknown(i)) {
+                rhs[u] -= vertex[k];
+                rhs[u + 1] -= wheel[k];
+            }
+        }
+    }
+}
+
+/// What one triangle contributes.
+struct LocalSystem {
+    reduction: TriangleReduction,
+    rows: TriangleRows,
+    gradient: [f64; 3],
+    residual: f64,
+}
+
+impl LocalSystem {
+    #[inline]
+    fn new(kkt: &KktSystem<'_>, face: FaceId) -> Self {
+        let at = |values: &[f64]| face.corners().map(|c| values[c.index()]);
+        Self {
+            reduction: TriangleReduction::new(at(kkt.lambda)),
+            rows: TriangleRows::new(kkt.topology, kkt.rows, kkt.wheel, face),
+            gradient: at(kkt.gradient),
+            residual: kkt.residual[kkt.rows.triangle(face)],
+        }
+    }
+}
+
+/// Every edge between two interior vertices, once, as their numbers among the interior ones.
+fn interior_edges<'a>(topology: &'a Topology, rows: &'a ConstraintRows) -> impl Iterator<Item = (u32, u32)> + Clone + 'a {
+    (0..topology.corner_count()).map(CornerId::new).filter_map(|c| {
+        let once = topology.opposite(c).is_none_or(|o| c < o);
+        let ends = [c.next(), c.prev()].map(|end| rows.interior_index(topology.vertex(end)));
+        match ends {
+            [Some(a), Some(b)] if once => Some((a as u32, b as u32)),
+            _ => None,
+        }
+    })
+}

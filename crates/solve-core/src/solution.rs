@@ -1,0 +1,138 @@
+//! What a solver returns, graded by the constraints and not by the solver.
+
+use abf_constraints::{AngleProblem, angles_out_of_range, max_residual};
+use std::fmt;
+
+/// How a solve ended. Each of these is a result, not an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Termination {
+    /// The stopping criteria are met.
+    Converged,
+    /// The one pass asked for is done.
+    OnePass,
+    /// The largest number of iterations or passes is done.
+    MaxIterations,
+    /// The time is up.
+    TimeLimit,
+    /// The residual stopped falling.
+    Stalled,
+    /// The observer cancelled.
+    Cancelled,
+}
+
+impl Termination {
+    /// Whether the solver did what it was asked to do.
+    #[must_use]
+    pub fn is_as_asked(self) -> bool {
+        matches!(self, Self::Converged | Self::OnePass)
+    }
+}
+
+impl fmt::Display for Termination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Converged => "converged",
+            Self::OnePass => "one-pass",
+            Self::MaxIterations => "max-iterations",
+            Self::TimeLimit => "time-limit",
+            Self::Stalled => "stalled",
+            Self::Cancelled => "cancelled",
+        })
+    }
+}
+
+/// One outer iteration, or one pass of LinABF.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct IterationRecord {
+    /// Counted from 1.
+    pub iteration: usize,
+    /// `max |h|` after it, log form, rad.
+    pub constraint_residual: f64,
+    /// `max |δ|` of the full step, rad.
+    pub step: f64,
+    /// Inner iterations it took (refinement steps of a direct solve).
+    pub inner_iterations: usize,
+    /// `‖b − Ax‖ / ‖b‖` of its linear solve.
+    pub inner_residual: f64,
+    /// How many angles were moved to the angle bounds before it.
+    pub moved_angles: usize,
+}
+
+/// The angles a solver found, with their true state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AngleSolution {
+    angles: Vec<f64>,
+    termination: Termination,
+    history: Vec<IterationRecord>,
+    constraint_residual: f64,
+    angles_out_of_range: usize,
+}
+
+impl AngleSolution {
+    /// Takes the angles of a solver and measures them: the only constructor.
+    ///
+    /// # Panics
+    /// If there is not one angle per corner.
+    #[must_use]
+    pub fn measure(
+        problem: &AngleProblem<'_>,
+        angles: Vec<f64>,
+        termination: Termination,
+        history: Vec<IterationRecord>,
+    ) -> Self {
+        assert_eq!(angles.len(), problem.topology().corner_count(), "one angle per corner");
+        let constraint_residual = max_residual(problem.topology(), problem.rows(), &angles);
+        let angles_out_of_range = angles_out_of_range(&angles);
+        Self { angles, termination, history, constraint_residual, angles_out_of_range }
+    }
+
+    /// The angles, one per corner, rad.
+    #[must_use]
+    pub fn angles(&self) -> &[f64] {
+        &self.angles
+    }
+
+    /// How the solve ended.
+    #[must_use]
+    pub fn termination(&self) -> Termination {
+        self.termination
+    }
+
+    /// `max |h|` of the angles in the log form, rad, measured.
+    #[must_use]
+    pub fn constraint_residual(&self) -> f64 {
+        self.constraint_residual
+    }
+
+    /// How many angles are not inside `(0, π)`, measured.
+    #[must_use]
+    pub fn angles_out_of_range(&self) -> usize {
+        self.angles_out_of_range
+    }
+
+    /// Every outer iteration.
+    #[must_use]
+    pub fn history(&self) -> &[IterationRecord] {
+        &self.history
+    }
+
+    /// How many outer iterations or passes were done.
+    #[must_use]
+    pub fn iterations(&self) -> usize {
+        self.history.len()
+    }
+
+    /// How many inner iterations were done, all together.
+    #[must_use]
+    pub fn inner_iterations(&self) -> usize {
+        self.history.iter().map(|r| r.inner_iterations).sum()
+    }
+
+    /// How many times an angle was moved to the angle bounds, all passes together, the estimate
+    /// included.
+    #[must_use]
+    pub fn moved_angles(&self) -> usize {
+        self.history.iter().map(|r| r.moved_angles).sum()
+    }
+}

@@ -1,0 +1,73 @@
+//! The trait behind which all solvers stand.
+
+use crate::{AngleSolution, LinearError, Observer, StopCriteria};
+use abf_constraints::AngleProblem;
+
+/// A method that finds the angles of the flat mesh.
+///
+/// Settings live in `self`; the workspace lives in [`AngleSolver::solve`]. Not converged, out of
+/// range, cancelled: all of that is in the [`AngleSolution`]. `Err` only where there are no usable
+/// angles.
+///
+/// ```
+/// use abf_constraints::AngleProblem;
+/// use abf_solve_core::{AngleSolution, AngleSolver, Observer, SolveError, StopCriteria, Termination};
+///
+/// /// Believes the targets without solving anything.
+/// struct Trusting;
+///
+/// impl AngleSolver for Trusting {
+///     fn name(&self) -> &'static str {
+///         "trusting"
+///     }
+///
+///     fn solve(
+///         &self,
+///         problem: &AngleProblem<'_>,
+///         stop: &StopCriteria,
+///         _: &mut dyn Observer,
+///     ) -> Result<AngleSolution, SolveError> {
+///         let angles = problem.target().to_vec();
+///         let solution = AngleSolution::measure(problem, angles, Termination::Stalled, Vec::new());
+///         assert!(solution.constraint_residual() >= 0.0, "measured, whatever the solver believes");
+///         # let _ = stop;
+///         Ok(solution)
+///     }
+/// }
+/// let solver: Box<dyn AngleSolver> = Box::new(Trusting);
+/// assert_eq!(solver.name(), "trusting");
+/// ```
+pub trait AngleSolver: Send + Sync {
+    /// The name on the command line and in reports.
+    fn name(&self) -> &'static str;
+
+    /// Solves one problem.
+    ///
+    /// # Errors
+    /// [`SolveError`] when a setting is out of range or no angles could be computed at all.
+    fn solve(
+        &self,
+        problem: &AngleProblem<'_>,
+        stop: &StopCriteria,
+        observer: &mut dyn Observer,
+    ) -> Result<AngleSolution, SolveError>;
+}
+
+/// Why a solver returned no angles.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// A setting outside its range.
+    #[error("{name} must be {allowed}, got {value}")]
+    Setting {
+        /// Which setting.
+        name: &'static str,
+        /// What it may be.
+        allowed: &'static str,
+        /// What it was.
+        value: f64,
+    },
+    /// The first linear system could not be solved.
+    #[error("the linear system of the first step has no usable solution")]
+    Linear(#[from] LinearError),
+}

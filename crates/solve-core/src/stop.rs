@@ -1,0 +1,61 @@
+//! When to stop.
+
+use crate::SolveError;
+use std::time::{Duration, Instant};
+
+/// When a solver stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StopCriteria {
+    /// Converged means a constraint residual `max |h|` (log form, rad) of at most this …
+    pub tolerance: f64,
+    /// … and, for solvers that minimise an energy, a last full step `max |δ|` (rad) of at most this:
+    /// a small residual alone is not yet the optimum.
+    pub step_tolerance: f64,
+    /// At most so many outer iterations or passes.
+    pub max_iterations: usize,
+    /// At most so long, counted from the start of the solve. `None`: however long it takes.
+    pub time_limit: Option<Duration>,
+}
+
+impl Default for StopCriteria {
+    fn default() -> Self {
+        Self { tolerance: 1e-8, step_tolerance: 1e-7, max_iterations: 50, time_limit: None }
+    }
+}
+
+impl StopCriteria {
+    /// Checks that every setting is in its range; solvers call it first.
+    ///
+    /// # Errors
+    /// [`SolveError::Setting`] naming the setting and its range.
+    pub fn check(&self) -> Result<(), SolveError> {
+        for (name, value) in [("tolerance", self.tolerance), ("step_tolerance", self.step_tolerance)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(SolveError::Setting { name, allowed: "positive and finite", value });
+            }
+        }
+        if self.max_iterations == 0 {
+            return Err(SolveError::Setting { name: "max_iterations", allowed: "at least 1", value: 0.0 });
+        }
+        Ok(())
+    }
+
+    /// Starts the clock, if there is a limit. Nothing else in the library reads a clock.
+    pub(crate) fn deadline(&self) -> Option<Instant> {
+        // A limit too far away to be represented is no limit.
+        self.time_limit.and_then(|limit| Instant::now().checked_add(limit))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_out_of_range_are_named() {
+        let e = StopCriteria { tolerance: -1.0, ..StopCriteria::default() }.check().unwrap_err();
+        assert_eq!(e.to_string(), "tolerance must be positive and finite, got -1");
+        assert!(StopCriteria { max_iterations: 0, ..StopCriteria::default() }.check().is_err());
+        assert!(StopCriteria::default().check().is_ok());
+    }
+}
