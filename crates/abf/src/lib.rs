@@ -1,1 +1,37 @@
-//! Flatten triangle meshes by solving for the angles of the flat mesh
+//! Flatten triangle meshes to the plane by solving for the angles of the flat mesh.
+//!
+//! ```
+//! use abf::mesh::{Point3, TriMesh};
+//!
+//! // A pyramid without its base.
+//! let points = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 0.5]];
+//! let mesh = TriMesh::new(points.map(Point3::from).to_vec(), &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])?;
+//!
+//! let flat = abf::flatten(&mesh)?;
+//! assert!(flat.termination.is_as_asked());
+//! assert!(flat.metrics(&mesh)?.valid());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`flatten`] uses the defaults. [`Pipeline`] holds every setting: which solver, how many passes,
+//! which layout, when to stop. Core crates print nothing; an [`Observer`] hears what happens and may
+//! cancel.
+
+mod pipeline;
+mod solver_kind;
+
+pub use abf_constraints as constraints;
+pub use abf_mesh as mesh;
+pub use abf_metrics as metrics;
+pub use abf_reconstruct as reconstruct;
+pub use abf_solve_core as solve_core;
+
+pub use abf_constraints::EstimateSettings;
+pub use abf_metrics::{Metrics, MetricsError};
+pub use abf_reconstruct::{LayoutKind, LayoutSettings};
+pub use abf_solve_core::{
+    AngleSolution, AngleSolver, Event, IterationRecord, Observer, Silent, Stage, StopCriteria, Termination, Verdict,
+};
+pub use abf_solve_linabf::Passes;
+pub use pipeline::{FlattenError, Flattening, Pipeline, flatten};
+pub use solver_kind::{SolverKind, UnknownSolver};

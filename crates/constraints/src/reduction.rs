@@ -101,7 +101,10 @@ impl TriangleRows {
         let corners = face.corners();
         let interior = corners.map(|c| rows.interior_index(topology.vertex(c)));
         let coefficients = |k: usize, c: CornerId| interior[k].map_or((0.0, 0.0), |i| wheel.coefficients(i, c));
-        Self { interior, wheel: [coefficients(0, corners[0]), coefficients(1, corners[1]), coefficients(2, corners[2])] }
+        Self {
+            interior,
+            wheel: [coefficients(0, corners[0]), coefficients(1, corners[1]), coefficients(2, corners[2])],
+        }
     }
 
     /// `R q`: the vertex entries and the wheel entries.

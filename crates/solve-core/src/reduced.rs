@@ -160,7 +160,10 @@ impl LocalSystem {
 }
 
 /// Every edge between two interior vertices, once, as their numbers among the interior ones.
-fn interior_edges<'a>(topology: &'a Topology, rows: &'a ConstraintRows) -> impl Iterator<Item = (u32, u32)> + Clone + 'a {
+fn interior_edges<'a>(
+    topology: &'a Topology,
+    rows: &'a ConstraintRows,
+) -> impl Iterator<Item = (u32, u32)> + Clone + 'a {
     (0..topology.corner_count()).map(CornerId::new).filter_map(|c| {
         let once = topology.opposite(c).is_none_or(|o| c < o);
         let ends = [c.next(), c.prev()].map(|end| rows.interior_index(topology.vertex(end)));

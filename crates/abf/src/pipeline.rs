@@ -1,0 +1,188 @@
+//! From a mesh to UVs: the stages in order.
+
+use crate::{Passes, SolverKind};
+use abf_constraints::{AngleProblem, EstimateSettings, ProblemError};
+use abf_mesh::{DiskError, GeometryError, Topology, TopologyError, TriMesh, UvMap};
+use abf_metrics::{Metrics, MetricsError};
+use abf_reconstruct::{Layout, LayoutError, LayoutKind, LayoutSettings, layout};
+use abf_solve_core::{
+    AngleSolution, AngleSolver, Event, Observer, Silent, SolveError, Stage, StopCriteria, Termination, Verdict,
+};
+use abf_solve_linabf::LinAbf;
+
+/// Every setting of a flattening. The default is what [`flatten`] does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pipeline {
+    /// Which method finds the angles.
+    pub solver: SolverKind,
+    /// How many passes LinABF makes.
+    pub passes: Passes,
+    /// How the estimate is made from the angles of the surface.
+    pub estimate: EstimateSettings,
+    /// When the solver stops.
+    pub stop: StopCriteria,
+    /// How angles become coordinates. [`SolverKind::Lscm`] takes the two least squares kinds, and
+    /// reads [`LayoutKind::Auto`] as the weighted one, which is LSCM proper.
+    pub layout: LayoutSettings,
+    /// Scale the UVs into the unit square instead of giving them the area of the surface.
+    pub normalize: bool,
+}
+
+/// A flattened mesh.
+#[derive(Clone, Debug)]
+pub struct Flattening {
+    /// One UV per vertex.
+    pub uv: UvMap,
+    /// How the solver ended; [`Termination::OnePass`] for LSCM, which is one linear solve.
+    pub termination: Termination,
+    /// The angles; `None` for LSCM, which does not solve for any.
+    pub solution: Option<AngleSolution>,
+    /// What the layout did.
+    pub layout: LayoutReport,
+    /// How many vertices have faces all around: `ni`.
+    pub interior_vertices: usize,
+    /// How many rings started from their target angles because of their deficit.
+    pub switched_rings: usize,
+}
+
+/// What the layout did: [`Layout`] without its UVs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayoutReport {
+    /// The method that was used; never [`LayoutKind::Auto`].
+    pub kind: LayoutKind,
+    /// The true relative residual of its linear solve; `None` for the tree.
+    pub linear_residual: Option<f64>,
+    /// The largest disagreement between the two sides of an edge; `None` where nothing was integrated.
+    pub closing_error: Option<f64>,
+    /// How many angles had to be moved into the open interval (0, π) to be laid out.
+    pub moved_angles: usize,
+}
+
+/// Why a mesh could not be flattened.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FlattenError {
+    /// Coordinates that are not finite, or faces without area.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// Faces that do not form an oriented manifold.
+    #[error(transparent)]
+    Topology(#[from] TopologyError),
+    /// A manifold that is not a disk.
+    #[error(transparent)]
+    NotADisk(#[from] DiskError),
+    /// A setting out of range, or angles no triangle has.
+    #[error(transparent)]
+    Problem(ProblemError),
+    /// The solver found no angles.
+    #[error("the solver '{solver}' found no angles")]
+    Solve {
+        /// Which solver.
+        solver: &'static str,
+        /// Why.
+        source: SolveError,
+    },
+    /// The angles could not be laid out.
+    #[error("the angles could not be laid out")]
+    Layout(#[from] LayoutError),
+    /// LSCM is a least squares layout and has no angles to integrate.
+    #[error("lscm is a least squares layout: it cannot use the layout '{0}'")]
+    LscmLayout(LayoutKind),
+    /// Cancelled before there was anything to return.
+    #[error("cancelled before there was a result")]
+    Cancelled,
+}
+
+impl From<ProblemError> for FlattenError {
+    fn from(error: ProblemError) -> Self {
+        match error {
+            ProblemError::NotADisk(disk) => Self::NotADisk(disk),
+            other => Self::Problem(other),
+        }
+    }
+}
+
+/// Flattens a disk with the default settings.
+///
+/// # Errors
+/// [`FlattenError`]; a result that is not converged or not flip-free is a result that says so.
+pub fn flatten(mesh: &TriMesh) -> Result<Flattening, FlattenError> {
+    Pipeline::default().run(mesh, &mut Silent)
+}
+
+impl Pipeline {
+    /// Flattens a disk.
+    ///
+    /// # Errors
+    /// [`FlattenError`] when there is no usable result at all.
+    pub fn run(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+        let layout_settings = self.layout_settings()?;
+        begin(observer, Stage::Topology)?;
+        // No faces is the more useful complaint, so topology comes before geometry.
+        let topology = Topology::build(mesh.vertex_count(), mesh.faces())?;
+        mesh.check_geometry()?;
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), self.estimate)?;
+        begin(observer, Stage::Solve)?;
+        let solution = self.solve(&problem, observer)?;
+        // A cancelled solve still has angles worth laying out.
+        let _ = observer.observe(Event::StageStarted(Stage::Layout));
+        let angles = solution.as_ref().map_or(problem.mesh_angles(), AngleSolution::angles);
+        let Layout { uv, kind, linear, closing_error, moved_angles } =
+            layout(mesh, &topology, angles, &layout_settings)?;
+        Ok(Flattening {
+            uv: if self.normalize { uv.normalized() } else { uv },
+            termination: solution.as_ref().map_or(Termination::OnePass, AngleSolution::termination),
+            layout: LayoutReport {
+                kind,
+                linear_residual: linear.map(|stats| stats.relative_residual),
+                closing_error,
+                moved_angles,
+            },
+            interior_vertices: problem.rows().interior_count(),
+            switched_rings: if solution.is_some() { problem.switched_rings() } else { 0 },
+            solution,
+        })
+    }
+
+    fn layout_settings(&self) -> Result<LayoutSettings, FlattenError> {
+        let mut settings = self.layout;
+        if self.solver == SolverKind::Lscm {
+            settings.kind = match settings.kind {
+                LayoutKind::Auto | LayoutKind::LeastSquaresWeighted => LayoutKind::LeastSquaresWeighted,
+                LayoutKind::LeastSquares => LayoutKind::LeastSquares,
+                other => return Err(FlattenError::LscmLayout(other)),
+            };
+        }
+        Ok(settings)
+    }
+
+    fn solve(
+        &self,
+        problem: &AngleProblem<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<AngleSolution>, FlattenError> {
+        let solver: Box<dyn AngleSolver> = match self.solver {
+            SolverKind::LinAbf => Box::new(LinAbf { passes: self.passes }),
+            SolverKind::Lscm => return Ok(None),
+        };
+        let solution = solver.solve(problem, &self.stop, observer);
+        solution.map(Some).map_err(|source| FlattenError::Solve { solver: solver.name(), source })
+    }
+}
+
+fn begin(observer: &mut dyn Observer, stage: Stage) -> Result<(), FlattenError> {
+    match observer.observe(Event::StageStarted(stage)) {
+        Verdict::Continue => Ok(()),
+        Verdict::Cancel => Err(FlattenError::Cancelled),
+    }
+}
+
+impl Flattening {
+    /// Distortion and validity, measured on the UVs.
+    ///
+    /// # Errors
+    /// [`MetricsError`] when `mesh` is not the mesh that was flattened.
+    pub fn metrics(&self, mesh: &TriMesh) -> Result<Metrics, MetricsError> {
+        abf_metrics::measure(mesh, &self.uv)
+    }
+}

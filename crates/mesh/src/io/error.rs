@@ -1,0 +1,238 @@
+//! What can be wrong with a mesh file, and where.
+
+use std::fmt;
+use std::io;
+
+/// A place in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// A line of a text file, counted from 1. A statement over several lines is at its first.
+    Line(usize),
+    /// A byte of a binary file, counted from 0: the first of the record.
+    Byte(usize),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+        }
+    }
+}
+
+/// A place in a named file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Location {
+    /// The name of the file.
+    pub file: String,
+    /// Where in it.
+    pub place: Place,
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {}", self.file, self.place)
+    }
+}
+
+/// Why a mesh file cannot be read.
+///
+/// Where a fault can occur many times in one file, the location is that of the first and `count`
+/// says how many there are.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The file cannot be opened or read.
+    #[error("{file}: cannot be read: {cause}")]
+    Open {
+        /// The file.
+        file: String,
+        /// What the system says.
+        cause: io::Error,
+    },
+    /// The extension names no known format.
+    #[error("{file}: the extension names no known mesh format; known are {known}")]
+    UnknownExtension {
+        /// The file.
+        file: String,
+        /// The known extensions.
+        known: String,
+    },
+    /// No byte at all.
+    #[error("{file}: the file is empty")]
+    Empty {
+        /// The file.
+        file: String,
+    },
+    /// Nothing that is a vertex.
+    #[error("{file}: no vertices")]
+    NoVertices {
+        /// The file.
+        file: String,
+    },
+    /// Vertices, but no face.
+    #[error("{file}: no faces (vertices: {vertices})")]
+    NoFaces {
+        /// The file.
+        file: String,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// A word that should be a number.
+    #[error("{at}: `{text}` is not a number")]
+    BadNumber {
+        /// Where.
+        at: Location,
+        /// The word.
+        text: String,
+    },
+    /// A vertex coordinate that is NaN or infinite, or too large for 64 bits.
+    #[error("{at}: the vertex has a coordinate that is not finite ({count} such vertices in all)")]
+    NotFinite {
+        /// The first such vertex.
+        at: Location,
+        /// How many there are.
+        count: usize,
+    },
+    /// Fewer coordinates than needed.
+    #[error("{at}: {found} coordinates where {expected} are needed")]
+    MissingCoordinate {
+        /// Where.
+        at: Location,
+        /// How many there are.
+        found: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// A line that ends too early.
+    #[error("{at}: the line ends before {what}")]
+    MissingValue {
+        /// Where.
+        at: Location,
+        /// What should have come next.
+        what: String,
+    },
+    /// An index that is not a whole number.
+    #[error("{at}: `{text}` is not an index")]
+    BadIndex {
+        /// Where.
+        at: Location,
+        /// The word.
+        text: String,
+    },
+    /// Index 0 where indices count from 1.
+    #[error("{at}: `{text}` has index 0, but indices count from 1")]
+    IndexZero {
+        /// Where.
+        at: Location,
+        /// The corner as written.
+        text: String,
+    },
+    /// An index of nothing.
+    #[error(
+        "{at}: {what} index {index} is out of range: there are {available}, counted from {base} ({count} such indices in all)"
+    )]
+    IndexOutOfRange {
+        /// The first such face.
+        at: Location,
+        /// `vertex` or `UV`.
+        what: &'static str,
+        /// The index as written.
+        index: i64,
+        /// How many elements there are; for a negative index, how many before it.
+        available: usize,
+        /// What the first element is called, 0 or 1.
+        base: u8,
+        /// How many such indices there are.
+        count: usize,
+    },
+    /// A polygon without area.
+    #[error("{at}: a face with {corners} corners ({count} faces with fewer than 3 in all)")]
+    TooFewCorners {
+        /// The first such face.
+        at: Location,
+        /// How many corners it has.
+        corners: usize,
+        /// How many such faces there are.
+        count: usize,
+    },
+    /// A list whose length makes no sense.
+    #[error("{at}: the list `{list}` has length {length}; it should be {expected}")]
+    BadListLength {
+        /// Where.
+        at: Location,
+        /// The name of the list.
+        list: String,
+        /// Its length as written.
+        length: f64,
+        /// What the length should be.
+        expected: String,
+    },
+    /// A binary file that ends too early.
+    #[error("{file}: truncated: {expected} bytes or more are expected, {present} are there")]
+    Truncated {
+        /// The file.
+        file: String,
+        /// How many bytes there should be, as far as is known at the place where they end.
+        expected: usize,
+        /// How many there are.
+        present: usize,
+    },
+    /// A text file that ends too early.
+    #[error("{file}: the file ends before {missing}")]
+    UnexpectedEnd {
+        /// The file.
+        file: String,
+        /// What should have come next.
+        missing: String,
+    },
+    /// A header that makes no sense.
+    #[error("{at}: bad header: {reason}")]
+    BadHeader {
+        /// Where.
+        at: Location,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A word where the format wants another.
+    #[error("{at}: expected {expected}, found `{found}`")]
+    Syntax {
+        /// Where.
+        at: Location,
+        /// What was expected.
+        expected: &'static str,
+        /// What was found.
+        found: String,
+    },
+    /// Something that the format allows and this reader does not read.
+    #[error("{at}: {feature} is not supported")]
+    Unsupported {
+        /// Where.
+        at: Location,
+        /// What.
+        feature: String,
+    },
+    /// A header that promises more than the bytes after it can hold.
+    #[error("{at}: {claimed} of `{what}` are claimed, more than the {present} bytes that follow can hold")]
+    ClaimTooLarge {
+        /// Where.
+        at: Location,
+        /// Of what.
+        what: String,
+        /// How many are claimed.
+        claimed: usize,
+        /// How many bytes follow the header.
+        present: usize,
+    },
+    /// More elements than 32-bit ids can name.
+    #[error("{file}: {count} {what} are more than 32-bit indices can name")]
+    TooLarge {
+        /// The file.
+        file: String,
+        /// `vertices` or `corners`.
+        what: &'static str,
+        /// How many.
+        count: usize,
+    },
+}

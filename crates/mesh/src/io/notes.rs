@@ -1,0 +1,118 @@
+//! What reading did, and what it left alone.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Everything that reading did beyond copying, and everything it left alone.
+///
+/// The default says that nothing of the kind happened.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ReadNotes {
+    /// How many faces had more than three corners and were cut into fans.
+    pub polygons_fanned: usize,
+    /// How many triangles those made.
+    pub triangles_from_polygons: usize,
+    /// Vertices that no face uses; they are kept.
+    pub unreferenced_vertices: usize,
+    /// UVs that no corner uses; they are not in the map.
+    pub unreferenced_uvs: usize,
+    /// How many corners found their vertex already there (STL has no other way to share one).
+    pub vertices_welded: usize,
+    /// Why there is no UV map though the file has UVs.
+    pub uv_dropped: Option<UvDropped>,
+    /// What was not read: keywords of OBJ, properties and elements of PLY and the like, with how
+    /// many there were of each.
+    pub ignored: BTreeMap<String, usize>,
+    /// The material libraries that an OBJ names, as written; see
+    /// [`load_materials`](super::load_materials).
+    pub material_libraries: Vec<String>,
+}
+
+/// Why the UVs of a file are not used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum UvDropped {
+    /// Some corners have none.
+    CornersWithout {
+        /// How many.
+        corners: usize,
+    },
+    /// Some that corners use are NaN or infinite.
+    NotFinite {
+        /// How many.
+        points: usize,
+    },
+}
+
+impl fmt::Display for UvDropped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CornersWithout { corners } => write!(f, "{corners} corners have none"),
+            Self::NotFinite { points } => write!(f, "{points} of them are not finite"),
+        }
+    }
+}
+
+impl ReadNotes {
+    /// One sentence for every note that has something to say.
+    #[must_use]
+    pub fn sentences(&self) -> Vec<String> {
+        let mut out = Vec::new();
+        let mut say = |count: usize, text: String| {
+            if count > 0 {
+                out.push(text);
+            }
+        };
+        let (n, made) = (self.polygons_fanned, self.triangles_from_polygons);
+        say(n, format!("{n} polygons cut into {made} triangles"));
+        say(self.unreferenced_vertices, format!("{} vertices that no face uses kept", self.unreferenced_vertices));
+        say(self.unreferenced_uvs, format!("{} UVs that no corner uses left out", self.unreferenced_uvs));
+        say(self.vertices_welded, format!("{} corners welded by exact position", self.vertices_welded));
+        if let Some(why) = self.uv_dropped {
+            say(1, format!("UVs left out: {why}"));
+        }
+        let ignored: Vec<String> = self.ignored.iter().map(|(what, n)| format!("{what} ({n})")).collect();
+        say(ignored.len(), format!("not read: {}", ignored.join(", ")));
+        let libraries = &self.material_libraries;
+        say(libraries.len(), format!("material libraries named: {}", libraries.join(", ")));
+        out
+    }
+
+    /// Counts one more of something that is not read.
+    pub(super) fn ignore(&mut self, what: &str) {
+        self.ignore_many(what, 1);
+    }
+
+    /// Counts `count` more of something that is not read.
+    pub(super) fn ignore_many(&mut self, what: &str, count: usize) {
+        if count == 0 {
+            return;
+        }
+        // `entry` would need an owned key for every line of normals.
+        if let Some(n) = self.ignored.get_mut(what) {
+            *n += count;
+        } else {
+            self.ignored.insert(what.to_owned(), count);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_notes_with_something_to_say_speak() {
+        assert!(ReadNotes::default().sentences().is_empty());
+        let mut notes = ReadNotes { polygons_fanned: 2, triangles_from_polygons: 5, ..ReadNotes::default() };
+        notes.ignore("vn");
+        notes.ignore_many("l", 3);
+        notes.ignore("vn");
+        notes.uv_dropped = Some(UvDropped::CornersWithout { corners: 7 });
+        assert_eq!(
+            notes.sentences(),
+            ["2 polygons cut into 5 triangles", "UVs left out: 7 corners have none", "not read: l (3), vn (2)"]
+        );
+    }
+}

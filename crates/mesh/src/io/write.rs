@@ -1,0 +1,250 @@
+//! Writing OBJ and PLY.
+//!
+//! Vertices and faces keep their order, and all numbers are read back to the bit.
+
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use super::MeshFormat;
+use crate::{FaceId, Point2, TriMesh, UvMap};
+
+/// The formats that [`write`] knows, for its message.
+const WRITTEN: &str = "obj, ply";
+
+/// Why a mesh cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The system refuses.
+    #[error("{target}: cannot be written: {cause}")]
+    Io {
+        /// The file, or `output` where there is none.
+        target: String,
+        /// What the system says.
+        cause: io::Error,
+    },
+    /// The extension names no format that is written.
+    #[error("{file}: the extension names no format that can be written; known are {WRITTEN}")]
+    UnknownExtension {
+        /// The file.
+        file: String,
+    },
+    /// The UV map belongs to another mesh.
+    #[error("the UV map has {map} corners, but the mesh has {mesh}")]
+    UvMismatch {
+        /// How many corners the map has.
+        map: usize,
+        /// How many corners the mesh has.
+        mesh: usize,
+    },
+    /// A number that no reader would take back.
+    #[error("{what} {first} has a coordinate that is not finite ({count} in all)")]
+    NotFinite {
+        /// `vertex` or `UV point`.
+        what: &'static str,
+        /// The first, counted from 0.
+        first: usize,
+        /// How many there are.
+        count: usize,
+    },
+}
+
+/// Writes a mesh file; its extension (`obj` or `ply`, in whatever case) names the format.
+///
+/// The file is written under a temporary name in the same folder and renamed when it is complete,
+/// so that a half-written file never stands under the final name.
+///
+/// # Errors
+/// A [`WriteError`]; what stood under that name before is then still there.
+pub fn write(path: &Path, mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), WriteError> {
+    let format = match MeshFormat::from_path(path) {
+        Some(MeshFormat::Obj) => obj,
+        Some(MeshFormat::Ply) => ply,
+        _ => return Err(WriteError::UnknownExtension { file: path.display().to_string() }),
+    };
+    check(mesh, uv)?;
+    replace(path, |out| format(out, mesh, uv))
+        .map_err(|cause| WriteError::Io { target: path.display().to_string(), cause })
+}
+
+/// Writes an OBJ: `v` in their order, `vt` if there is a map, then the faces.
+///
+/// # Errors
+/// A [`WriteError`].
+pub fn write_obj(out: impl Write, mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), WriteError> {
+    to_stream(out, mesh, uv, obj)
+}
+
+/// Writes a binary little-endian PLY of doubles.
+///
+/// UVs are the properties `s` and `t` of the vertices if no vertex has several (vertices that no
+/// face uses get zeros), and otherwise the list `texcoord` of the faces, two values per corner.
+///
+/// # Errors
+/// A [`WriteError`].
+pub fn write_ply(out: impl Write, mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), WriteError> {
+    to_stream(out, mesh, uv, ply)
+}
+
+/// A function that writes one format.
+type Format = fn(&mut dyn Write, &TriMesh, Option<&UvMap>) -> io::Result<()>;
+
+fn to_stream(out: impl Write, mesh: &TriMesh, uv: Option<&UvMap>, format: Format) -> Result<(), WriteError> {
+    check(mesh, uv)?;
+    let mut out = BufWriter::new(out);
+    let written = format(&mut out, mesh, uv).and_then(|()| out.flush());
+    written.map_err(|cause| WriteError::Io { target: "output".to_owned(), cause })
+}
+
+/// Writes a temporary file beside `path`, then renames it.
+fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".abf-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Temporary files are private unless told; the mask of the process still applies.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder)?;
+    let mut out = BufWriter::new(file.as_file_mut());
+    fill(&mut out)?;
+    out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+    file.persist(path).map(drop).map_err(|e| e.error)
+}
+
+/// The map must belong to the mesh, and all numbers must be finite.
+fn check(mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), WriteError> {
+    check_finite("vertex", mesh.positions().iter().map(|p| p.iter().all(|x| x.is_finite())))?;
+    let Some(map) = uv else { return Ok(()) };
+    let (map_corners, mesh_corners) = (map.corners().len(), 3 * mesh.face_count());
+    if map_corners != mesh_corners {
+        return Err(WriteError::UvMismatch { map: map_corners, mesh: mesh_corners });
+    }
+    check_finite("UV point", map.points().iter().map(|p| p.iter().all(|x| x.is_finite())))
+}
+
+fn check_finite(what: &'static str, finite: impl Iterator<Item = bool>) -> Result<(), WriteError> {
+    let mut bad = finite.enumerate().filter(|&(_, finite)| !finite).map(|(i, _)| i);
+    match bad.next() {
+        None => Ok(()),
+        Some(first) => Err(WriteError::NotFinite { what, first, count: 1 + bad.count() }),
+    }
+}
+
+// `{:?}` is the shortest text that reads back to the same bits, with an exponent where that saves
+// zeros; `{}` would write 300 digits for 1e300.
+fn obj(out: &mut dyn Write, mesh: &TriMesh, uv: Option<&UvMap>) -> io::Result<()> {
+    for p in mesh.positions() {
+        writeln!(out, "v {:?} {:?} {:?}", p.x, p.y, p.z)?;
+    }
+    for p in uv.iter().flat_map(|map| map.points()) {
+        writeln!(out, "vt {:?} {:?}", p.x, p.y)?;
+    }
+    for (f, face) in mesh.faces().iter().enumerate() {
+        let v = face.map(|v| v.index() + 1);
+        if let Some(map) = uv {
+            let t = FaceId::new(f).corners().map(|c| map.corners()[c.index()].index() + 1);
+            writeln!(out, "f {}/{} {}/{} {}/{}", v[0], t[0], v[1], t[1], v[2], t[2])?;
+        } else {
+            writeln!(out, "f {} {} {}", v[0], v[1], v[2])?;
+        }
+    }
+    Ok(())
+}
+
+fn ply(out: &mut dyn Write, mesh: &TriMesh, uv: Option<&UvMap>) -> io::Result<()> {
+    let per_vertex = uv.and_then(|map| one_per_vertex(mesh, map));
+    let per_corner = uv.filter(|_| per_vertex.is_none());
+    write!(out, "ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.vertex_count())?;
+    out.write_all(b"property double x\nproperty double y\nproperty double z\n")?;
+    if per_vertex.is_some() {
+        out.write_all(b"property double s\nproperty double t\n")?;
+    }
+    write!(out, "element face {}\nproperty list uchar uint vertex_indices\n", mesh.face_count())?;
+    if per_corner.is_some() {
+        out.write_all(b"property list uchar double texcoord\n")?;
+    }
+    out.write_all(b"end_header\n")?;
+    for (v, p) in mesh.positions().iter().enumerate() {
+        doubles(out, p.iter())?;
+        if let Some(uv) = &per_vertex {
+            doubles(out, uv[v].iter())?;
+        }
+    }
+    for (f, face) in mesh.faces().iter().enumerate() {
+        out.write_all(&[3])?;
+        for v in face {
+            // Ids are made of 32 bits.
+            out.write_all(&(v.index() as u32).to_le_bytes())?;
+        }
+        if let Some(map) = per_corner {
+            out.write_all(&[6])?;
+            doubles(out, map.triangle(FaceId::new(f)).iter().flat_map(|p| p.iter()))?;
+        }
+    }
+    Ok(())
+}
+
+fn doubles<'a>(out: &mut dyn Write, mut numbers: impl Iterator<Item = &'a f64>) -> io::Result<()> {
+    numbers.try_for_each(|x| out.write_all(&x.to_le_bytes()))
+}
+
+/// The UV of every vertex, if none has several. "The same" is to the bit, so that −0 survives.
+fn one_per_vertex(mesh: &TriMesh, map: &UvMap) -> Option<Vec<Point2<f64>>> {
+    let bits = |p: Point2<f64>| [p.x.to_bits(), p.y.to_bits()];
+    let mut found: Vec<Option<Point2<f64>>> = vec![None; mesh.vertex_count()];
+    for (v, id) in mesh.faces().iter().flatten().zip(map.corners()) {
+        let uv = map.points()[id.index()];
+        let known = *found[v.index()].get_or_insert(uv);
+        if bits(known) != bits(uv) {
+            return None;
+        }
+    }
+    Some(found.into_iter().map(|uv| uv.unwrap_or_else(Point2::origin)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Point3, UvId};
+
+    fn triangle() -> TriMesh {
+        let p = [[0.0, -0.0, 1e300], [1e-300, 1.0, 0.1], [123_456_789.0, 1.0 / 3.0, -2.5]];
+        TriMesh::new(p.map(Point3::from).to_vec(), &[[0, 1, 2]]).expect("indices in range")
+    }
+
+    #[test]
+    fn numbers_are_short_and_exact() {
+        let mut out = Vec::new();
+        write_obj(&mut out, &triangle(), None).expect("written");
+        let text = String::from_utf8(out).expect("text");
+        assert_eq!(text, "v 0.0 -0.0 1e300\nv 1e-300 1.0 0.1\nv 123456789.0 0.3333333333333333 -2.5\nf 1 2 3\n");
+    }
+
+    #[test]
+    fn a_foreign_map_is_refused() {
+        let map = UvMap::new(vec![Point2::origin()], vec![UvId::new(0); 6]);
+        let e = write_ply(io::sink(), &triangle(), Some(&map)).unwrap_err();
+        assert!(matches!(e, WriteError::UvMismatch { map: 6, mesh: 3 }), "{e}");
+    }
+
+    #[test]
+    fn a_map_that_is_not_finite_is_refused() {
+        let map = UvMap::new(vec![Point2::origin(), Point2::new(0.0, f64::NAN)], [0, 1, 1].map(UvId::new).to_vec());
+        let e = write_obj(io::sink(), &triangle(), Some(&map)).unwrap_err();
+        assert!(matches!(e, WriteError::NotFinite { what: "UV point", first: 1, count: 1 }), "{e}");
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_no_other() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.obj");
+        std::fs::write(&path, "old").expect("written");
+        let fail = |out: &mut dyn Write| out.write_all(b"half").and(Err(io::Error::other("no room")));
+        assert_eq!(replace(&path, fail).unwrap_err().to_string(), "no room");
+        assert_eq!(std::fs::read_to_string(&path).expect("read"), "old");
+        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
+    }
+}
