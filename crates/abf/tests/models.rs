@@ -6,7 +6,9 @@
 
 use abf::mesh::{TriMesh, io};
 use abf::metrics::Metrics;
-use abf::{EstimateSettings, Flattening, LayoutKind, LayoutSettings, Passes, Pipeline, Silent, SolverKind, Termination};
+use abf::{
+    EstimateSettings, Flattening, LayoutKind, LayoutSettings, Passes, Pipeline, Silent, SolverKind, Termination,
+};
 use std::path::PathBuf;
 
 /// The folder of models, or `None` after saying what is skipped.
@@ -84,7 +86,10 @@ fn one_pass_meets_the_reference_on_every_disk() {
         let flat = FLAT.iter().find(|flat| flat.0 == name);
         let f_is_met = flat.map_or((metrics.f / f - 1.0).abs() < tolerance, |flat| metrics.f < flat.1);
         if !(f_is_met && (metrics.stretch_l2 / stretch - 1.0).abs() < tolerance) {
-            misses.push(format!("{name}: F {} instead of {f}, L2 {} instead of {stretch}", metrics.f, metrics.stretch_l2));
+            misses.push(format!(
+                "{name}: F {} instead of {f}, L2 {} instead of {stretch}",
+                metrics.f, metrics.stretch_l2
+            ));
         }
     }
     assert!(misses.is_empty(), "{}", misses.join("\n"));
