@@ -1,6 +1,6 @@
 //! The reduced system by sparse Cholesky.
 
-use crate::{KktStep, KktSystem, KktVector, LinearError, LinearStats, ReducedSystem, StepError, Watch};
+use crate::{KktStep, KktSystem, KktVector, LinearError, ReducedSystem, StepError, StepReport, Watch};
 use abf_constraints::ConstraintRows;
 use abf_linalg::{Refinement, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::Topology;
@@ -37,7 +37,7 @@ impl KktStep for DirectStep {
         tolerance: f64,
         watch: &mut Watch<'_>,
         out: &mut KktVector,
-    ) -> Result<LinearStats, StepError> {
+    ) -> Result<StepReport, StepError> {
         self.system.assemble(kkt, &mut self.matrix, &mut self.rhs);
         // A factorisation cannot be interrupted, so ask before it.
         if !watch.inner(0, f64::NAN) {
@@ -47,7 +47,7 @@ impl KktStep for DirectStep {
         let refinement = Refinement { tolerance, ..Refinement::default() };
         let stats = factors.solve(&self.matrix, &mut self.rhs, refinement)?;
         self.system.back_substitute(kkt, &self.rhs, out);
-        Ok(stats)
+        Ok(stats.into())
     }
 }
 
@@ -73,6 +73,8 @@ mod tests {
             topology: &topology,
             rows: &rows,
             lambda: &lambda,
+            gauss_newton: &lambda,
+            off_diagonal: None,
             wheel: &wheel,
             gradient: &gradient,
             residual: &residual,

@@ -1,6 +1,6 @@
 //! One quadratic step, and the seam behind which it is solved.
 
-use crate::{LinearError, LinearStats, Watch};
+use crate::{Fallback, LinearError, LinearStats, Watch};
 use abf_constraints::{ConstraintRows, WheelDerivative};
 use abf_mesh::Topology;
 
@@ -13,12 +13,28 @@ pub struct KktSystem<'a> {
     pub rows: &'a ConstraintRows,
     /// Λ, length 3 nt. May have negative entries.
     pub lambda: &'a [f64],
+    /// 2w, length 3 nt: the positive Λ of the Gauss–Newton Hessian, which preconditioners are built
+    /// with and which an iterative method may fall back to.
+    pub gauss_newton: &'a [f64],
+    /// What a diagonal Λ leaves out of the exact Hessian: nothing in the log form.
+    pub off_diagonal: Option<ProductCurvature<'a>>,
     /// The part of J that depends on the angles.
     pub wheel: &'a WheelDerivative,
     /// g, length 3 nt.
     pub gradient: &'a [f64],
     /// h, length nt + 2 ni.
     pub residual: &'a [f64],
+}
+
+/// The second derivative of the product wheels, which is not diagonal (ABF 2001). With
+/// `N = Π sin x[next]` around an interior vertex of wheel multiplier `m`, it has, for corners `i ≠ j`
+/// of that ring, `m N cot xᵢ cot xⱼ` and `−m N` on the diagonal; likewise `−m` for `prev`.
+#[derive(Clone, Copy, Debug)]
+pub struct ProductCurvature<'a> {
+    /// x, length 3 nt.
+    pub angles: &'a [f64],
+    /// μ, length nt + 2 ni.
+    pub multipliers: &'a [f64],
 }
 
 /// The solution of a [`KktSystem`].
@@ -28,6 +44,25 @@ pub struct KktVector {
     pub delta: Vec<f64>,
     /// μ, length nt + 2 ni: triangle, vertex and wheel multipliers.
     pub multipliers: Vec<f64>,
+}
+
+/// What a step took and reached.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Inner iterations; refinement steps of a direct solve.
+    pub iterations: usize,
+    /// `‖b − Ax‖ / ‖b‖` of the linear system, computed with the operator.
+    pub relative_residual: f64,
+    /// The method's own estimate of it, where it has one.
+    pub estimate: Option<f64>,
+    /// Whether the exact Λ had to be given up for 2w.
+    pub fallback: Option<Fallback>,
+}
+
+impl From<LinearStats> for StepReport {
+    fn from(stats: LinearStats) -> Self {
+        Self { iterations: stats.iterations, relative_residual: stats.relative_residual, ..Self::default() }
+    }
 }
 
 /// Why a step was not taken.
@@ -55,5 +90,5 @@ pub trait KktStep {
         tolerance: f64,
         watch: &mut Watch<'_>,
         out: &mut KktVector,
-    ) -> Result<LinearStats, StepError>;
+    ) -> Result<StepReport, StepError>;
 }

@@ -17,7 +17,10 @@
 //! solution, and it computes the constraint residual from the angles.
 
 mod direct;
+mod hessian;
 mod kkt;
+mod line_search;
+mod newton;
 mod observe;
 mod reduced;
 mod solution;
@@ -26,9 +29,12 @@ mod stop;
 
 pub use abf_linalg::{LinearError, LinearStats};
 pub use direct::DirectStep;
-pub use kkt::{KktStep, KktSystem, KktVector, StepError};
+pub use hessian::Hessian;
+pub use kkt::{KktStep, KktSystem, KktVector, ProductCurvature, StepError, StepReport};
+pub use line_search::{BoundRule, LineSearch};
+pub use newton::{InnerTolerance, NewtonSettings};
 pub use observe::{Event, Observer, Silent, Stage, Verdict, Watch};
 pub use reduced::ReducedSystem;
-pub use solution::{AngleSolution, IterationRecord, Termination};
+pub use solution::{AngleSolution, Fallback, IterationRecord, Termination};
 pub use solver::{AngleSolver, SolveError};
 pub use stop::StopCriteria;

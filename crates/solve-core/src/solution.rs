@@ -42,6 +42,16 @@ impl fmt::Display for Termination {
     }
 }
 
+/// Why a step with the exact Hessian was made with the Gauss–Newton one instead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Fallback {
+    /// The line search found no descent along the exact step.
+    LineSearch,
+    /// The inner method met `⟨p, h⟩ ≤ 0`, which conjugate directions cannot pass.
+    NegativeCurvature,
+}
+
 /// One outer iteration, or one pass of LinABF.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct IterationRecord {
@@ -55,8 +65,18 @@ pub struct IterationRecord {
     pub inner_iterations: usize,
     /// `‖b − Ax‖ / ‖b‖` of its linear solve.
     pub inner_residual: f64,
+    /// The inner method's own estimate of that residual, where it has one. The papers stop on it.
+    pub inner_estimate: Option<f64>,
     /// How many angles were moved to the angle bounds before it.
     pub moved_angles: usize,
+    /// `Σ w (x − a)²` after it; `None` for methods that have no fixed target.
+    pub energy: Option<f64>,
+    /// The share of the full step that was taken.
+    pub step_length: f64,
+    /// How many entries of Λ were negative.
+    pub negative_curvature: usize,
+    /// Whether the exact Hessian was given up for 2w in this step, and by whom.
+    pub fallback: Option<Fallback>,
 }
 
 /// The angles a solver found, with their true state.
@@ -127,6 +147,18 @@ impl AngleSolution {
     #[must_use]
     pub fn inner_iterations(&self) -> usize {
         self.history.iter().map(|r| r.inner_iterations).sum()
+    }
+
+    /// The largest number of negative entries of Λ met in one iteration.
+    #[must_use]
+    pub fn negative_curvature(&self) -> usize {
+        self.history.iter().map(|r| r.negative_curvature).max().unwrap_or(0)
+    }
+
+    /// How many iterations gave up the exact Hessian.
+    #[must_use]
+    pub fn fallbacks(&self) -> usize {
+        self.history.iter().filter(|r| r.fallback.is_some()).count()
     }
 
     /// How many times an angle was moved to the angle bounds, all passes together, the estimate

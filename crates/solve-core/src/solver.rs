@@ -67,6 +67,9 @@ pub enum SolveError {
         /// What it was.
         value: f64,
     },
+    /// Settings that do not go together.
+    #[error("{0}")]
+    Unsupported(&'static str),
     /// The first linear system could not be solved.
     #[error("the linear system of the first step has no usable solution")]
     Linear(#[from] LinearError),

@@ -164,6 +164,8 @@ impl<'p, 'a> Run<'p, 'a> {
             topology,
             rows,
             lambda: &lambda,
+            gauss_newton: &lambda,
+            off_diagonal: None,
             wheel: &WheelDerivative::new(WheelForm::Log, topology, rows, &estimate),
             gradient: &self.zero_gradient,
             residual: &residual(WheelForm::Log, topology, rows, &estimate),
@@ -181,6 +183,8 @@ impl<'p, 'a> Run<'p, 'a> {
             inner_iterations: stats.iterations,
             inner_residual: stats.relative_residual,
             moved_angles,
+            step_length: 1.0,
+            ..IterationRecord::default()
         };
         self.keep_best(record.constraint_residual);
         self.history.push(record);

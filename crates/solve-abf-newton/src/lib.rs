@@ -1,0 +1,1 @@
+//! Newton solvers with a direct inner solve: ABF, ABF++, Newton, fixed target

@@ -1,0 +1,1 @@
+//! MINRES on the Schur complement (Zayer, Rössl, Seidel 2004)

@@ -1,0 +1,1 @@
+//! Conjugate-direction Uzawa (Zayer, Rössl, Seidel 2004)
