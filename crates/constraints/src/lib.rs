@@ -24,6 +24,7 @@
 //! Based Flattening*; VMV04 = the same, *Efficient Iterative Solvers for Angle Based Flattening*;
 //! LinABF = Zayer, Lévy, Seidel 2007.
 
+mod counts;
 mod jacobian;
 mod problem;
 mod reduction;
@@ -31,6 +32,7 @@ mod residual;
 mod rows;
 mod wheel;
 
+pub use counts::KktCounts;
 pub use jacobian::Jacobian;
 pub use problem::{AngleProblem, EstimateSettings, ProblemError};
 pub use reduction::{TriangleReduction, TriangleRows};

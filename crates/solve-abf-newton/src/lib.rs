@@ -1,1 +1,144 @@
-//! Newton solvers with a direct inner solve: ABF, ABF++, Newton, fixed target
+//! Newton solvers with a direct inner solve.
+//!
+//! The grid of [`NewtonSettings`] with the step solved by a factorisation. The named points:
+//!
+//! | name | wheel | Hessian | inner solve | source |
+//! | --- | --- | --- | --- | --- |
+//! | `abf` | product | exact, not diagonal | whole KKT matrix, sparse LU | Sheffer, de Sturler 2001 |
+//! | `abf++` | product | Gauss–Newton | reduced, Cholesky | Sheffer, Lévy, Mogilnitsky, Bogomyakov 2005 |
+//! | `abf-newton` | log | exact, diagonal | reduced, LBLᵀ where indefinite | ZRS05; VMV04 with a direct solve |
+//! | `abf-fixed-target` | log | Gauss–Newton | reduced, Cholesky | LinABF's matrix, ABF's target |
+//!
+//! All four minimise the same energy under the same constraints, so they reach the same angles; they
+//! differ in what a step costs and in how many they need. Gauss–Newton converges linearly and its
+//! system is always positive definite; the exact Hessian converges quadratically and is negative on a
+//! few corners.
+
+mod full_kkt;
+
+use abf_constraints::{AngleProblem, WheelForm};
+use abf_solve_core::{
+    AngleSolution, AngleSolver, DirectStep, Hessian, KktStep, NewtonSettings, Observer, SolveError, StopCriteria,
+};
+
+pub use full_kkt::FullKktStep;
+
+/// How the step is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Inner {
+    /// Triangle rows eliminated, two unknowns per interior vertex. Needs a diagonal Hessian.
+    Reduced,
+    /// The whole matrix `[Λ Jᵀ; J 0]`, `5 nt` unknowns, with any Hessian.
+    FullKkt,
+}
+
+/// A Newton solver with a direct inner solve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AbfNewton {
+    /// The name in reports.
+    pub name: &'static str,
+    /// The point of the grid.
+    pub newton: NewtonSettings,
+    /// How the step is solved. The exact Hessian of the product wheel always takes the whole matrix.
+    pub inner: Inner,
+}
+
+impl AbfNewton {
+    /// ABF as published in 2001: product wheel, exact Hessian, the whole matrix.
+    #[must_use]
+    pub fn abf() -> Self {
+        Self::preset("abf", WheelForm::Product, Hessian::Exact, Inner::FullKkt)
+    }
+
+    /// ABF++: product wheel, Gauss–Newton, reduced.
+    #[must_use]
+    pub fn abf_plus_plus() -> Self {
+        Self::preset("abf++", WheelForm::Product, Hessian::GaussNewton, Inner::Reduced)
+    }
+
+    /// The Newton method of ZRS05 and VMV04: log wheel, exact Hessian.
+    #[must_use]
+    pub fn exact_newton() -> Self {
+        Self::preset("abf-newton", WheelForm::Log, Hessian::Exact, Inner::Reduced)
+    }
+
+    /// Log wheel, Gauss–Newton: the matrix of LinABF with ABF's target kept.
+    #[must_use]
+    pub fn fixed_target() -> Self {
+        Self::preset("abf-fixed-target", WheelForm::Log, Hessian::GaussNewton, Inner::Reduced)
+    }
+
+    fn preset(name: &'static str, wheel: WheelForm, hessian: Hessian, inner: Inner) -> Self {
+        Self { name, newton: NewtonSettings { wheel, hessian, ..NewtonSettings::default() }, inner }
+    }
+}
+
+impl AngleSolver for AbfNewton {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn solve(
+        &self,
+        problem: &AngleProblem<'_>,
+        stop: &StopCriteria,
+        observer: &mut dyn Observer,
+    ) -> Result<AngleSolution, SolveError> {
+        let not_diagonal = self.newton.wheel == WheelForm::Product && self.newton.hessian == Hessian::Exact;
+        let mut step: Box<dyn KktStep> = if self.inner == Inner::FullKkt || not_diagonal {
+            Box::new(FullKktStep::default())
+        } else {
+            Box::new(DirectStep::new(problem.topology(), problem.rows())?)
+        };
+        self.newton.solve(problem, stop, observer, step.as_mut())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abf_constraints::EstimateSettings;
+    use abf_mesh::Topology;
+    use abf_shapes::Shape;
+    use abf_solve_core::{Silent, Termination};
+
+    fn solve(solver: &AbfNewton, shape: Shape, triangles: usize) -> AngleSolution {
+        let mesh = shape.mesh(triangles);
+        let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        solver.solve(&problem, &StopCriteria::default(), &mut Silent).expect("angles")
+    }
+
+    fn largest_difference(a: &AngleSolution, b: &AngleSolution) -> f64 {
+        a.angles().iter().zip(b.angles()).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn the_four_named_points_reach_the_same_angles() {
+        for shape in [Shape::BumpySheet, Shape::LetterX, Shape::SpikyField] {
+            let reference = solve(&AbfNewton::fixed_target(), shape, 600);
+            assert_eq!(reference.termination(), Termination::Converged);
+            for solver in [AbfNewton::abf(), AbfNewton::abf_plus_plus(), AbfNewton::exact_newton()] {
+                let solution = solve(&solver, shape, 600);
+                assert_eq!(solution.termination(), Termination::Converged, "{} on {shape}", solver.name);
+                let apart = largest_difference(&reference, &solution);
+                assert!(apart < 1e-6, "{} on {shape}: {apart:e}", solver.name);
+            }
+        }
+    }
+
+    #[test]
+    fn the_whole_matrix_and_the_reduced_one_take_the_same_steps() {
+        let reduced = solve(&AbfNewton::exact_newton(), Shape::Hemisphere, 400);
+        let full = solve(&AbfNewton { inner: Inner::FullKkt, ..AbfNewton::exact_newton() }, Shape::Hemisphere, 400);
+        assert_eq!(reduced.iterations(), full.iterations());
+        assert!(largest_difference(&reduced, &full) < 1e-12);
+    }
+
+    #[test]
+    fn the_exact_hessian_needs_fewer_steps() {
+        let linear = solve(&AbfNewton::fixed_target(), Shape::SpikyField, 1200);
+        let quadratic = solve(&AbfNewton::exact_newton(), Shape::SpikyField, 1200);
+        assert!(quadratic.iterations() <= linear.iterations());
+    }
+}

@@ -1,4 +1,4 @@
-//! The reduced system by sparse Cholesky.
+//! The reduced system by sparse Cholesky, or LBLᵀ where it is indefinite.
 
 use crate::{KktStep, KktSystem, KktVector, LinearError, ReducedSystem, StepError, StepReport, Watch};
 use abf_constraints::ConstraintRows;
@@ -6,8 +6,9 @@ use abf_linalg::{Refinement, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::Topology;
 use std::sync::Arc;
 
-/// Solves a step with `Λ > 0` by a Cholesky factorisation of `S`: analysed once, factorised in
-/// every step, refined when the true residual is above the tolerance.
+/// Solves a step by a Cholesky factorisation of `S`: analysed once, factorised in every step, refined
+/// when the true residual is above the tolerance. Where the exact Hessian makes `S` indefinite, by a
+/// symmetric indefinite factorisation with the same analysis.
 #[derive(Debug)]
 pub struct DirectStep {
     system: ReducedSystem,
@@ -43,9 +44,15 @@ impl KktStep for DirectStep {
         if !watch.inner(0, f64::NAN) {
             return Err(StepError::Interrupted);
         }
-        let factors = self.symbolic.factorise(&self.matrix)?;
-        let refinement = Refinement { tolerance, ..Refinement::default() };
-        let stats = factors.solve(&self.matrix, &mut self.rhs, refinement)?;
+        let refinement = Refinement { tolerance: tolerance.min(Refinement::default().tolerance), ..Refinement::default() };
+        let stats = match self.symbolic.factorise(&self.matrix) {
+            Ok(factors) => factors.solve(&self.matrix, &mut self.rhs, refinement)?,
+            // Negative entries of Λ may, but need not, make S indefinite.
+            Err(LinearError::NotPositiveDefinite { .. }) if kkt.lambda.iter().any(|&l| l < 0.0) => {
+                self.symbolic.factorise_indefinite(&self.matrix)?.solve(&self.matrix, &mut self.rhs, refinement)?
+            }
+            Err(error) => return Err(error.into()),
+        };
         self.system.back_substitute(kkt, &self.rhs, out);
         Ok(stats.into())
     }

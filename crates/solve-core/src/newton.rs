@@ -102,7 +102,8 @@ impl NewtonSettings {
                 break interruption;
             }
             if run.history.len() >= stop.max_iterations {
-                break Termination::MaxIterations;
+                // One iteration asked for and made is what was asked.
+                break if stop.max_iterations == 1 { Termination::OnePass } else { Termination::MaxIterations };
             }
         };
         let angles = if termination == Termination::Converged { run.angles } else { run.best };
