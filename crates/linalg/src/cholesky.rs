@@ -1,91 +1,16 @@
 //! Supernodal Cholesky: symbolic once, numeric many, refined and checked.
 
-use crate::{LinearError, SymmetricMatrix, SymmetricPattern};
+use crate::refine::solve_refined;
+use crate::{LinearError, LinearStats, Preconditioner, Refinement, Scalar, SymmetricMatrix, SymmetricPattern};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::solvers::LltError;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     self as faer_cholesky, CholeskySymbolicParams, LltRef, SymmetricOrdering, factorize_symbolic_cholesky,
 };
-use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
+use faer::sparse::{FaerError, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
-use num_complex::Complex64;
-use std::ops::{Add, AddAssign, Mul, Sub, SubAssign};
 use std::sync::Arc;
-
-/// The numbers a matrix may hold: `f64` or [`Complex64`]. Sealed by its bound.
-pub trait Scalar:
-    faer::traits::ComplexField
-    + Copy
-    + AddAssign
-    + SubAssign
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Send
-    + Sync
-    + std::fmt::Debug
-{
-    /// The number zero.
-    const ZERO: Self;
-    /// The complex conjugate; a real number itself.
-    #[must_use]
-    fn conjugate(self) -> Self;
-    /// The squared absolute value.
-    fn norm_squared(self) -> f64;
-}
-
-impl Scalar for f64 {
-    const ZERO: Self = 0.0;
-
-    #[inline]
-    fn conjugate(self) -> Self {
-        self
-    }
-
-    #[inline]
-    fn norm_squared(self) -> f64 {
-        self * self
-    }
-}
-
-impl Scalar for Complex64 {
-    const ZERO: Self = Self::new(0.0, 0.0);
-
-    #[inline]
-    fn conjugate(self) -> Self {
-        self.conj()
-    }
-
-    #[inline]
-    fn norm_squared(self) -> f64 {
-        self.norm_sqr()
-    }
-}
-
-/// When to refine a solution, and how often at most.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Refinement {
-    /// Refine while the true relative residual is above this.
-    pub tolerance: f64,
-    /// At most so many times.
-    pub max_steps: usize,
-}
-
-impl Default for Refinement {
-    fn default() -> Self {
-        Self { tolerance: 1e-12, max_steps: 3 }
-    }
-}
-
-/// What a linear solve took and reached.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LinearStats {
-    /// Iterations: refinement steps of a direct solve, matrix products of an iterative one.
-    pub iterations: usize,
-    /// `‖b − Ax‖ / ‖b‖`, computed with the matrix, never estimated by the method.
-    pub relative_residual: f64,
-}
 
 /// The analysis of a pattern: elimination tree, supernodes, the pattern of the factor.
 ///
@@ -93,8 +18,8 @@ pub struct LinearStats {
 /// [`Permutation`](crate::Permutation).
 #[derive(Debug)]
 pub struct SymbolicCholesky {
-    pattern: Arc<SymmetricPattern>,
-    symbolic: faer_cholesky::SymbolicCholesky<u32>,
+    pub(crate) pattern: Arc<SymmetricPattern>,
+    pub(crate) symbolic: faer_cholesky::SymbolicCholesky<u32>,
 }
 
 /// Factors `A = L Lᴴ` of one matrix.
@@ -148,12 +73,10 @@ impl SymbolicCholesky {
         let scratch = self.symbolic.factorize_numeric_llt_scratch::<T>(Par::Seq, Default::default());
         let mut memory = allocate(scratch, size)?;
         let mut factor = vec![T::ZERO; self.factor_len()];
-        let lower =
-            SymbolicSparseColMatRef::new_checked(size, size, &self.pattern.column_start, None, &self.pattern.rows);
         self.symbolic
             .factorize_numeric_llt(
                 &mut factor,
-                SparseColMatRef::new(lower, &matrix.values),
+                matrix.lower(),
                 Side::Lower,
                 Default::default(),
                 Par::Seq,
@@ -206,64 +129,34 @@ impl<T: Scalar> Cholesky<T> {
         rhs: &mut [T],
         refinement: Refinement,
     ) -> Result<LinearStats, LinearError> {
-        let b = rhs.to_vec();
-        let scale = norm(&b);
-        if scale == 0.0 {
-            return Ok(LinearStats::default());
-        }
-        self.apply_inverse(rhs)?;
-        let mut correction = vec![T::ZERO; b.len()];
-        matrix.residual(rhs, &b, &mut correction);
-        let mut stats = LinearStats { iterations: 0, relative_residual: norm(&correction) / scale };
-        while stats.relative_residual > refinement.tolerance && stats.iterations < refinement.max_steps {
-            self.apply_inverse(&mut correction)?;
-            let refined: Vec<T> = rhs.iter().zip(&correction).map(|(&x, &d)| x + d).collect();
-            matrix.residual(&refined, &b, &mut correction);
-            let relative_residual = norm(&correction) / scale;
-            stats.iterations += 1;
-            // NaN compares false: a broken refinement is dropped like a useless one.
-            if !(relative_residual < stats.relative_residual) {
-                break;
-            }
-            rhs.copy_from_slice(&refined);
-            stats.relative_residual = relative_residual;
-        }
-        if stats.relative_residual < 1.0 {
-            Ok(stats)
-        } else {
-            Err(LinearError::NoSolution { relative_residual: stats.relative_residual })
+        solve_refined(rhs, refinement, |x| self.apply_inverse(x), |x, b, out| matrix.residual(x, b, out))
+    }
+}
+
+/// The factors as a preconditioner. Memory running out shows as NaN, which ends any iteration.
+impl Preconditioner for Cholesky<f64> {
+    fn apply(&self, r: &[f64], out: &mut [f64]) {
+        out.copy_from_slice(r);
+        if self.apply_inverse(out).is_err() {
+            out.fill(f64::NAN);
         }
     }
 }
 
-fn allocate(scratch: StackReq, size: usize) -> Result<MemBuffer, LinearError> {
+pub(crate) fn allocate(scratch: StackReq, size: usize) -> Result<MemBuffer, LinearError> {
     MemBuffer::try_new(scratch).map_err(|_| LinearError::OutOfMemory { size })
-}
-
-fn norm<T: Scalar>(x: &[T]) -> f64 {
-    x.iter().map(|v| v.norm_squared()).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Graph, Permutation};
+    use crate::test_support::grid_matrix;
+    use crate::{Complex64, Graph, Permutation};
 
-    /// The Laplacian of an `n × n` grid plus the identity, `phase` on the edges.
-    fn grid<T: Scalar>(n: usize, diagonal: T, phase: T) -> (SymmetricMatrix<T>, Arc<SymbolicCholesky>) {
-        let at = |i: usize, j: usize| (i * n + j) as u32;
-        let edges = (0..n).flat_map(|i| (1..n).flat_map(move |j| [(at(i, j - 1), at(i, j)), (at(j - 1, i), at(j, i))]));
-        let graph = Graph::from_edges(n * n, edges.clone());
-        let order = graph.amd().expect("an ordering");
-        let pattern = Arc::new(SymmetricPattern::of_blocks(&graph, &order, 1));
-        let mut a = SymmetricMatrix::zeros(Arc::clone(&pattern));
-        for v in 0..n * n {
-            a.add(v, v, diagonal);
-        }
-        for (p, q) in edges {
-            a.add(order.new_index(p as usize), order.new_index(q as usize), phase);
-        }
-        (a, SymbolicCholesky::analyse(pattern).expect("an analysis"))
+    fn grid<T: Scalar>(n: usize, diagonal: T, edge: T) -> (SymmetricMatrix<T>, Arc<SymbolicCholesky>) {
+        let a = grid_matrix(n, diagonal, edge);
+        let symbolic = SymbolicCholesky::analyse(Arc::clone(a.pattern())).expect("an analysis");
+        (a, symbolic)
     }
 
     fn check_planted<T: Scalar>(a: &SymmetricMatrix<T>, symbolic: &Arc<SymbolicCholesky>, x: &[T]) {

@@ -83,8 +83,8 @@ impl Graph {
 fn compact(start: &mut [u32], neighbours: &mut Vec<u32>) {
     let mut write = 0;
     let mut read = 0;
-    for v in 1..start.len() {
-        let end = start[v] as usize;
+    for end_of_vertex in start.iter_mut().skip(1) {
+        let end = *end_of_vertex as usize;
         neighbours[read..end].sort_unstable();
         let mut last = None;
         for k in read..end {
@@ -95,7 +95,7 @@ fn compact(start: &mut [u32], neighbours: &mut Vec<u32>) {
                 last = Some(n);
             }
         }
-        start[v] = write as u32;
+        *end_of_vertex = write as u32;
         read = end;
     }
     neighbours.truncate(write);
@@ -114,6 +114,21 @@ impl Permutation {
     pub fn identity(size: usize) -> Self {
         let ids: Vec<u32> = (0..size as u32).collect();
         Self { new_to_old: ids.clone(), old_to_new: ids }
+    }
+
+    /// The renumbering that lists the old indices in the order given: the first becomes 0.
+    ///
+    /// # Panics
+    /// If an index is missing, repeated or too large.
+    #[must_use]
+    pub fn from_elimination_order(new_to_old: Vec<u32>) -> Self {
+        let mut old_to_new = vec![u32::MAX; new_to_old.len()];
+        for (new, &old) in new_to_old.iter().enumerate() {
+            let slot = &mut old_to_new[old as usize];
+            assert_eq!(*slot, u32::MAX, "every index once");
+            *slot = new as u32;
+        }
+        Self { new_to_old, old_to_new }
     }
 
     /// The new number of an old index.
@@ -162,6 +177,19 @@ mod tests {
         let order = graph.amd().expect("an ordering");
         assert!(order.new_index(0) >= 6, "the hub would fill everything if eliminated early");
         assert!((0..8).all(|v| order.old_index(order.new_index(v)) == v));
+    }
+
+    #[test]
+    fn an_elimination_order_and_its_inverse_agree() {
+        let order = Permutation::from_elimination_order(vec![2, 0, 1]);
+        assert_eq!([0, 1, 2].map(|old| order.new_index(old)), [1, 2, 0]);
+        assert_eq!(order.old_index(0), 2);
+    }
+
+    #[test]
+    #[should_panic(expected = "every index once")]
+    fn an_order_that_repeats_an_index_is_refused() {
+        let _ = Permutation::from_elimination_order(vec![0, 0, 1]);
     }
 
     #[test]

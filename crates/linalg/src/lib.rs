@@ -5,21 +5,49 @@
 //! * [`Graph`] and [`Permutation`]: a fill-reducing ordering of the unknowns.
 //! * [`SymmetricPattern`] and [`SymmetricMatrix`]: the lower triangle of a symmetric (real) or
 //!   Hermitian (complex) matrix, compressed by columns.
-//! * [`SymbolicCholesky`]: the analysis, done once for a pattern; [`Cholesky`]: the numbers, done
-//!   many times.
+//! * [`SymbolicCholesky`]: the analysis, done once for a pattern; the numbers, done many times, are
+//!   [`Cholesky`] for positive definite matrices and [`Indefinite`] for the others.
+//! * [`SparseMatrix`], [`SymbolicLu`] and [`Lu`]: the same for square matrices without symmetry.
+//! * [`cg`] and [`minres`]: Krylov methods that see a system only as a [`LinOp`] and a
+//!   [`Preconditioner`].
 //!
-//! Every solve returns [`LinearStats`] with the *true* relative residual `‖b − Ax‖ / ‖b‖`,
-//! computed with the matrix itself: a factorisation that returned `Ok` is no proof of a solution.
+//! Every solve returns [`LinearStats`] or [`KrylovStats`] with the *true* relative residual
+//! `‖b − Ax‖ / ‖b‖`, computed with the matrix itself: a factorisation that returned `Ok` is no proof
+//! of a solution, and neither is an iteration that believes to have converged.
+//!
+//! Factorisations and products run on the calling thread, sums over vectors in chunks of fixed
+//! length: results have the same bits for any number of threads.
 //!
 //! No other crate of the workspace names faer.
 
+mod cg;
 mod cholesky;
 mod graph;
+mod indefinite;
+mod krylov;
+mod lu;
+mod minres;
+mod operator;
+mod refine;
+mod scalar;
+mod sparse;
 mod symmetric;
+#[cfg(test)]
+mod test_support;
+mod vector;
 
-pub use cholesky::{Cholesky, LinearStats, Refinement, Scalar, SymbolicCholesky};
+pub use cg::cg;
+pub use cholesky::{Cholesky, SymbolicCholesky};
 pub use graph::{Graph, Permutation};
+pub use indefinite::Indefinite;
+pub use krylov::{KrylovEnd, KrylovParams, KrylovStats};
+pub use lu::{Lu, SymbolicLu};
+pub use minres::minres;
 pub use num_complex::Complex64;
+pub use operator::{Identity, Jacobi, LinOp, Preconditioner};
+pub use refine::{LinearStats, Refinement};
+pub use scalar::Scalar;
+pub use sparse::SparseMatrix;
 pub use symmetric::{SymmetricMatrix, SymmetricPattern};
 
 /// Why a linear system could not be solved.
@@ -31,6 +59,12 @@ pub enum LinearError {
     NotPositiveDefinite {
         /// The pivot, in the order of elimination.
         pivot: usize,
+        /// The number of unknowns.
+        size: usize,
+    },
+    /// The matrix has no inverse, or none that the pivots allowed could find; or it holds a NaN.
+    #[error("the {size} × {size} matrix is singular, or pivots failed")]
+    Singular {
         /// The number of unknowns.
         size: usize,
     },

@@ -1,6 +1,7 @@
 //! The lower triangle of a symmetric or Hermitian sparse matrix.
 
-use crate::{Graph, Permutation, Scalar};
+use crate::{Graph, LinOp, Permutation, Scalar};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use std::sync::Arc;
 
 /// Which entries of a lower triangle are stored: compressed columns, rows ascending, every
@@ -142,6 +143,11 @@ impl<T: Scalar> SymmetricMatrix<T> {
     pub fn residual(&self, x: &[T], b: &[T], out: &mut [T]) {
         assert!(x.len() == self.size() && b.len() == self.size() && out.len() == self.size(), "vectors fit the matrix");
         out.copy_from_slice(b);
+        self.subtract_product(x, out);
+    }
+
+    /// `out ← out − A x`.
+    fn subtract_product(&self, x: &[T], out: &mut [T]) {
         for column in 0..self.size() {
             let range = self.pattern.column(column);
             let mut mirrored = T::ZERO;
@@ -154,6 +160,27 @@ impl<T: Scalar> SymmetricMatrix<T> {
             }
             out[column] -= mirrored;
         }
+    }
+
+    /// The stored triangle as the factorisations take it.
+    pub(crate) fn lower(&self) -> SparseColMatRef<'_, u32, T> {
+        let SymmetricPattern { column_start, rows } = &*self.pattern;
+        let symbolic = SymbolicSparseColMatRef::new_checked(self.size(), self.size(), column_start, None, rows);
+        SparseColMatRef::new(symbolic, &self.values)
+    }
+}
+
+/// Both triangles, from the stored one.
+impl LinOp for SymmetricMatrix<f64> {
+    fn size(&self) -> usize {
+        self.pattern.size()
+    }
+
+    fn apply(&self, x: &[f64], out: &mut [f64]) {
+        assert!(x.len() == self.size() && out.len() == self.size(), "vectors fit the matrix");
+        out.fill(0.0);
+        self.subtract_product(x, out);
+        out.iter_mut().for_each(|v| *v = -*v);
     }
 }
 

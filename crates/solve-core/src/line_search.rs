@@ -72,6 +72,8 @@ const MAX_BACKTRACKS: usize = 25;
 const MULTIPLIER_MARGIN: f64 = 2.0;
 /// Changes of the merit below this share of it are rounding.
 const ROUNDING: f64 = 1e-13;
+/// A step that moves no angle by more than this, rad, is too short for the merit to see.
+const INVISIBLE_STEP: f64 = 1e-12;
 
 /// `Σ w (x − a)² + ν ‖h(x)‖₁` of one problem.
 pub(crate) struct Merit<'p, 'a> {
@@ -114,6 +116,10 @@ impl<'p, 'a> Merit<'p, 'a> {
         gradient: &[f64],
         multipliers: &[f64],
     ) -> Option<Accepted> {
+        if delta.iter().all(|d| d.abs() <= INVISIBLE_STEP) {
+            let (angles, moved) = rule.advance(angles, delta, 1.0);
+            return Some(Accepted { angles, share: 1.0, moved });
+        }
         let largest = multipliers.iter().fold(0.0, |max: f64, m| max.max(m.abs()));
         self.penalty = self.penalty.max(MULTIPLIER_MARGIN * largest);
         let slope = gradient.iter().zip(delta).map(|(g, d)| g * d).sum::<f64>() - self.penalty * norm1(h);
