@@ -1,0 +1,179 @@
+//! For every error a word for programs and the next thing to try.
+//!
+//! The libraries' enums may grow: what is not known here gets a hint that always helps.
+
+use abf::constraints::ProblemError;
+use abf::reconstruct::LayoutError;
+use abf::solve_core::{LinearError, SolveError};
+use abf::{FlattenError, MetricsError};
+use abf_mesh::io::{ReadError, WriteError};
+use abf_mesh::{DiskError, GeometryError, TopologyError};
+use std::io;
+use std::path::Path;
+
+/// The kind of an error, and what to try next.
+type Hint = (&'static str, &'static str);
+
+const EXPORT_AGAIN: &str = "the file is damaged: export it again, or fetch it again";
+const REPORT: &str = "this should not happen: please report it with the file";
+const MERGE: &str =
+    "delete the extra faces, or split the mesh into its sheets (in Blender: Select > All by Trait > Non Manifold)";
+
+/// For files that cannot be read.
+pub(crate) fn read(error: &ReadError) -> Hint {
+    match error {
+        ReadError::Open { cause, .. } => cannot_open(cause),
+        ReadError::UnknownExtension { file, .. } if Path::new(file).is_dir() => ("directory", "name the files in it"),
+        ReadError::UnknownExtension { .. } => {
+            ("unknown-extension", "convert it to one of these, or rename it if it is one of them")
+        }
+        ReadError::Empty { .. } => ("empty-file", EXPORT_AGAIN),
+        ReadError::NoVertices { .. } => ("no-vertices", "is it a mesh? export one with vertices and faces"),
+        ReadError::NoFaces { .. } => ("no-faces", "a point cloud or a curve has no surface: export a mesh with faces"),
+        ReadError::BadNumber { .. } => ("bad-number", "correct that line; numbers have a point, not a comma"),
+        ReadError::NotFinite { .. } => {
+            ("not-finite", "correct or remove these vertices: NaN and infinity have no place")
+        }
+        ReadError::MissingCoordinate { .. } => ("missing-coordinate", "a vertex needs x, y and z: correct that line"),
+        ReadError::MissingValue { .. } => ("missing-value", "complete that line"),
+        ReadError::BadIndex { .. } => ("bad-index", "correct that face: indices are whole numbers"),
+        ReadError::IndexZero { .. } => {
+            ("index-zero", "add 1 to every index, if the program that wrote it counted from 0")
+        }
+        ReadError::IndexOutOfRange { .. } => {
+            ("index-out-of-range", "correct or remove these faces, or export the file again")
+        }
+        ReadError::TooFewCorners { .. } => ("too-few-corners", "remove these faces: a face needs 3 corners"),
+        ReadError::BadListLength { .. } => ("bad-list-length", EXPORT_AGAIN),
+        ReadError::Truncated { .. } => ("truncated", EXPORT_AGAIN),
+        ReadError::UnexpectedEnd { .. } => ("unexpected-end", EXPORT_AGAIN),
+        ReadError::BadHeader { .. } => ("bad-header", "is it that format? correct the header, or export it again"),
+        ReadError::Syntax { .. } => ("syntax", "is it that format? correct that line, or export it again"),
+        ReadError::Unsupported { .. } => ("unsupported", "export the mesh without it, for example as obj"),
+        ReadError::ClaimTooLarge { .. } => ("claim-too-large", EXPORT_AGAIN),
+        ReadError::TooLarge { .. } => ("too-large", "split the mesh, or make it coarser"),
+        _ => ("unreadable", EXPORT_AGAIN),
+    }
+}
+
+fn cannot_open(cause: &io::Error) -> Hint {
+    match cause.kind() {
+        io::ErrorKind::NotFound => ("not-found", "check the name and the folder"),
+        io::ErrorKind::IsADirectory => ("directory", "name the files in it"),
+        io::ErrorKind::PermissionDenied => ("no-permission", "ask for permission to read it"),
+        io::ErrorKind::OutOfMemory => ("out-of-memory", "use a smaller mesh or a larger machine"),
+        _ => ("cannot-open", "check the name and whether the disk is there"),
+    }
+}
+
+/// For meshes that cannot be flattened.
+pub(crate) fn flatten(error: &FlattenError) -> Hint {
+    match error {
+        FlattenError::Geometry(error) => geometry(error),
+        FlattenError::Topology(error) => topology(error),
+        FlattenError::NotADisk(error) | FlattenError::Problem(ProblemError::NotADisk(error)) => disk(error),
+        FlattenError::Problem(ProblemError::Setting { .. })
+        | FlattenError::Solve { source: SolveError::Setting { .. }, .. } => ("setting", "change that option"),
+        FlattenError::Problem(ProblemError::Angle { .. }) => {
+            ("degenerate-angle", "remove or improve the triangles without area, for example by merging vertices")
+        }
+        FlattenError::Problem(_) => ("internal", REPORT),
+        FlattenError::Solve { source: SolveError::Linear(error), .. } => linear(error),
+        FlattenError::Solve { .. } => ("no-angles", "try --solver lscm, which needs no angles"),
+        FlattenError::Layout(LayoutError::Linear { source, .. }) => linear(source),
+        FlattenError::Layout(LayoutError::NotFinite { .. }) => ("layout-overflow", "try --layout least-squares"),
+        FlattenError::Layout(LayoutError::NoBoundary) => ("closed", "cut it open along a seam first"),
+        FlattenError::Layout(_) => ("no-layout", "try another --layout"),
+        FlattenError::LscmLayout(_) => ("setting", "take --layout least-squares or least-squares-weighted"),
+        FlattenError::Cancelled => ("cancelled", "start it again to have it flattened"),
+        _ => ("not-flattened", "try --solver lscm"),
+    }
+}
+
+fn geometry(error: &GeometryError) -> Hint {
+    match error {
+        GeometryError::NotFinite { .. } => {
+            ("not-finite", "correct or remove these vertices: NaN and infinity have no place")
+        }
+        GeometryError::ZeroArea { .. } => (
+            "zero-area",
+            "remove these faces, or merge vertices that lie on each other (in Blender: Merge by Distance)",
+        ),
+        GeometryError::IndexOutOfRange { .. } => ("index-out-of-range", "correct or remove that face"),
+        _ => ("geometry", "repair the mesh in a modelling program"),
+    }
+}
+
+fn topology(error: &TopologyError) -> Hint {
+    match error {
+        TopologyError::Empty => ("no-faces", "a point cloud or a curve has no surface: export a mesh with faces"),
+        TopologyError::TooLarge { .. } => ("too-large", "split the mesh, or make it coarser"),
+        TopologyError::RepeatedVertex { .. } => ("repeated-vertex", "remove these faces: they have no area"),
+        TopologyError::NonManifoldEdge { .. } => ("non-manifold-edge", MERGE),
+        TopologyError::InconsistentOrientation { .. } => {
+            ("inconsistent-orientation", "turn some faces around (in Blender: Mesh > Normals > Recalculate Outside)")
+        }
+        TopologyError::NonOrientable { .. } => ("non-orientable", "cut it across, so that it has two sides"),
+        TopologyError::NonManifoldVertex { .. } => {
+            ("non-manifold-vertex", "give every fan its own copy of the vertex, or close the gap between them")
+        }
+        _ => ("topology", "repair the mesh in a modelling program"),
+    }
+}
+
+fn disk(error: &DiskError) -> Hint {
+    match error {
+        DiskError::SeveralComponents { .. } => ("several-components", "write every component to its own file first"),
+        DiskError::NoBoundary { genus: 0 } => ("closed", "cut it open along a seam first"),
+        DiskError::NoBoundary { .. } => ("closed", "cut it open along seams first: every handle needs two that cross"),
+        DiskError::SeveralBoundaries { .. } => {
+            ("several-boundaries", "fill the holes, or cut from each hole to the outer boundary first")
+        }
+        DiskError::Handles { .. } => ("handles", "cut the handles open first: each needs two seams that cross"),
+        _ => ("not-a-disk", "cut it into disks first"),
+    }
+}
+
+fn linear(error: &LinearError) -> Hint {
+    match error {
+        LinearError::TooLarge { .. } | LinearError::OutOfMemory { .. } => {
+            ("out-of-memory", "use a coarser mesh or a larger machine")
+        }
+        _ => ("linear-solve", "improve the thinnest triangles, or try --angle-bound 0.01 or another --layout"),
+    }
+}
+
+/// For UVs that cannot be judged.
+pub(crate) fn metrics(error: &MetricsError) -> Hint {
+    match error {
+        MetricsError::NoFaces => ("no-faces", "a point cloud or a curve has no surface: export a mesh with faces"),
+        MetricsError::CornerCount { .. } => ("internal", REPORT),
+        MetricsError::UvNotFinite { .. } => ("uv-not-finite", "make these UVs anew: NaN and infinity have no place"),
+        MetricsError::PositionNotFinite { .. } => {
+            ("not-finite", "correct or remove these vertices: NaN and infinity have no place")
+        }
+        MetricsError::NoArea { .. } => ("no-area", "is it the right mesh? all of its faces are lines"),
+        _ => ("not-judged", "repair the mesh in a modelling program"),
+    }
+}
+
+/// For meshes that cannot be written.
+pub(crate) fn write(error: &WriteError) -> Hint {
+    match error {
+        WriteError::Io { cause, .. } => ("unwritable", unwritable(cause)),
+        WriteError::UnknownExtension { .. } => ("unknown-extension", "end the name in .obj or .ply"),
+        WriteError::NotFinite { .. } => ("not-finite", "correct or remove these: NaN and infinity have no place"),
+        _ => ("internal", REPORT),
+    }
+}
+
+/// For files that cannot be written.
+pub(crate) fn unwritable(cause: &io::Error) -> &'static str {
+    match cause.kind() {
+        io::ErrorKind::NotFound => "make the folder first",
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "choose a folder you may write to",
+        io::ErrorKind::IsADirectory => "there is a folder of that name: choose another name",
+        io::ErrorKind::StorageFull => "free some space, or choose another disk",
+        _ => "choose another place",
+    }
+}

@@ -1,0 +1,117 @@
+//! Judging UVs that files already have.
+
+use crate::support::{Folder, fixture, run, run_on};
+use crate::surfaces;
+use serde_json::Value;
+
+/// Everything that judging says about the mesh and its UVs.
+const JUDGED: [&str; 13] = [
+    "triangles",
+    "vertices",
+    "interior_vertices",
+    "boundary_loops",
+    "valid",
+    "flips",
+    "collapsed",
+    "near_collapsed",
+    "f",
+    "f_weighted",
+    "stretch_l2",
+    "stretch_linf",
+    "area_l2",
+];
+
+/// A square cut into four triangles around a centre, which is put somewhere.
+fn square_around(centre: &str) -> String {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+    format!("{vertices}vt {centre}\nf 1/1 2/2 5/5\nf 2/2 3/3 5/5\nf 3/3 4/4 5/5\nf 4/4 1/1 5/5\n")
+}
+
+#[test]
+fn what_was_written_is_judged_as_the_run_judged_it() {
+    let folder = Folder::new();
+    for (name, out) in [("mask", "out.obj"), ("spiky-field", "out.ply"), ("obtuse", "flipped.obj")] {
+        let out = folder.path(out);
+        let options = if name == "obtuse" { "--solver lscm" } else { "" };
+        let run_code = run_on(
+            &format!("{options} --json {} -o {}", folder.path("run.json").display(), out.display()),
+            &[&fixture(name)],
+        )
+        .code;
+        let text = std::fs::read_to_string(folder.path("run.json")).expect("written");
+        let of_run: Value = serde_json::from_str(&text).expect("JSON");
+        let judged = run_on("metrics --json -", &[&out]);
+        assert_eq!(judged.code, run_code, "{name}");
+        let judged = judged.result();
+        for field in JUDGED.iter().chain(&["max_angle_error", "qc_max", "flipped_faces", "collapsed_faces"]) {
+            assert_eq!(judged[field], of_run["results"][0][field], "{name}: {field}");
+        }
+    }
+}
+
+#[test]
+fn good_uvs_of_a_foreign_file_are_valid_and_have_no_solver() {
+    let folder = Folder::new();
+    let ran = run_on("metrics --json -", &[&folder.file("square.obj", square_around(".5 .5"))]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let result = ran.result();
+    assert!(JUDGED.iter().all(|field| !result[field].is_null()), "{result}");
+    assert!(result["f"].as_f64().expect("a number") < 1e-30);
+    assert!(["solver", "settings", "termination", "error"].iter().all(|field| result.get(field).is_none()), "{result}");
+}
+
+#[test]
+fn a_flipped_triangle_is_found_by_hand() {
+    let folder = Folder::new();
+    let ran = run_on("metrics --json -", &[&folder.file("square.obj", square_around(".5 -.1"))]);
+    let result = ran.result();
+    assert_eq!((ran.code, &result["flips"], &result["collapsed"]), (1, &1.into(), &0.into()));
+    assert_eq!((&result["valid"], &result["flipped_faces"]), (&false.into(), &serde_json::json!([0])));
+}
+
+#[test]
+fn a_collapsed_triangle_is_found_and_infinity_is_null() {
+    let folder = Folder::new();
+    let mesh = folder.file("square.obj", square_around(".5 0"));
+    let ran = run_on("metrics --json -", &[&mesh]);
+    let result = ran.result();
+    assert_eq!((ran.code, &result["flips"], &result["collapsed"]), (1, &0.into(), &1.into()));
+    assert_eq!(result["stretch_l2"], Value::Null);
+    let table = run_on("metrics", &[&mesh]).stdout;
+    assert!(table.contains("no: 0 flipped, 1 collapsed (triangles 0, counted from 0)"), "{table}");
+    assert!(table.contains("stretch      L2 infinite"), "{table}");
+}
+
+#[test]
+fn a_mesh_that_is_no_manifold_can_be_judged() {
+    let folder = Folder::new();
+    let text = format!("{}v .5 .5 1\nvt 7 7\nf 1/1 2/2 6/6\n", square_around(".5 .5"));
+    let ran = run_on("metrics --json -", &[&folder.file("fin.obj", text)]);
+    let result = ran.result();
+    assert_eq!((&result["interior_vertices"], &result["triangles"]), (&Value::Null, &5.into()), "{}", ran.stderr);
+}
+
+#[test]
+fn a_file_without_uvs_is_a_named_error_and_the_others_are_judged() {
+    let folder = Folder::new();
+    let bare = folder.file("bare.obj", surfaces::pyramid());
+    let good = folder.file("square.obj", square_around(".5 .5"));
+    let gaps = folder.file("gaps.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3\n");
+    let missing = folder.path("missing.obj");
+    let ran = run_on("metrics --json -", &[&bare, &good, &gaps, &missing]);
+    assert_eq!(ran.code, 2);
+    let json = ran.json();
+    let kinds: Vec<&Value> = (0..4).map(|k| &json["results"][k]["error"]["kind"]).collect();
+    assert_eq!(kinds, [&"no-uv".into(), &Value::Null, &"no-uv".into(), &"not-found".into()]);
+    assert!(json["results"][2]["error"]["message"].as_str().expect("text").contains("1 corners have none"), "{json}");
+    assert_eq!(json["results"][1]["valid"], true);
+    let table = run_on("metrics", &[&bare, &good]).stdout;
+    assert!(!table.contains("passes") && table.contains("error: no-uv"), "{table}");
+}
+
+#[test]
+fn metrics_needs_a_file() {
+    let ran = run(["metrics"]);
+    assert_eq!((ran.code, ran.stdout.as_str()), (2, ""));
+    assert!(ran.stderr.contains("<FILE>"), "{}", ran.stderr);
+}

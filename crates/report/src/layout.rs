@@ -1,0 +1,103 @@
+//! The right panel: the layout in the UV plane.
+
+use abf_mesh::{CornerId, Point3, UvMap, Vector2};
+use tiny_skia::{LineCap, Paint, PathBuilder, Pixmap, Stroke, Transform};
+
+use crate::checker::Checker;
+use crate::panel::{Fit, Panel, bounds};
+use crate::picture::Palette;
+use crate::raster::Visibility;
+
+/// Flipped triangles lie above the others.
+const FLIPPED: f64 = 1.0;
+/// The least radius at which a flipped triangle is marked, pixels.
+const MARK: f64 = 1.5;
+/// Edges stroked at once: long paths cost more than their length.
+const EDGES_PER_PATH: usize = 512;
+
+/// What the panel shows.
+#[derive(Clone, Copy)]
+pub(crate) struct Layout<'a> {
+    pub(crate) uv: &'a UvMap,
+    pub(crate) checker: &'a Checker,
+    /// For every face whether the layout has it upside down.
+    pub(crate) flipped: &'a [bool],
+    /// The edges at which the layout ends.
+    pub(crate) outline: &'a [CornerId],
+}
+
+impl Layout<'_> {
+    /// Draws the layout into its panel; `line_width` is in pixels.
+    pub(crate) fn draw(&self, canvas: &mut Pixmap, panel: &Panel, palette: &Palette, line_width: f64) {
+        let fit = panel.fit(bounds(self.uv.triangles().flatten()));
+        let seen = self.visibility(panel, &fit);
+        let footprint = Vector2::from_element(1.0 / fit.scale);
+        panel.resolve(canvas, palette.background, &seen, |face, at| {
+            if self.flipped[face as usize] { palette.flipped } else { self.checker.colour(fit.invert(at), footprint) }
+        });
+        self.stroke_outline(canvas, panel, &fit, palette, line_width);
+    }
+
+    /// What is seen at every sample. A flipped triangle leaves a mark however small it is.
+    fn visibility(&self, panel: &Panel, fit: &Fit) -> Visibility {
+        let mut seen = panel.grid();
+        let radius = panel.length(MARK);
+        for (face, (triangle, &flipped)) in self.uv.triangles().zip(self.flipped).enumerate() {
+            let depth = if flipped { FLIPPED } else { 0.0 };
+            let corners = triangle.map(|p| fit.apply(p)).map(|p| Point3::new(p.x, p.y, depth));
+            seen.triangle(&corners, face as u32);
+            if flipped {
+                let [a, b, c] = corners.map(|p| p.coords / 3.0);
+                seen.dot(Point3::from(a + b + c), radius, face as u32);
+            }
+        }
+        seen
+    }
+
+    /// Strokes the outline with anti-aliased lines. Round ends join edges at any angle.
+    fn stroke_outline(&self, canvas: &mut Pixmap, panel: &Panel, fit: &Fit, palette: &Palette, line_width: f64) {
+        let mut paint = Paint::default();
+        let [r, g, b] = palette.ink.to_srgb();
+        paint.set_color_rgba8(r, g, b, u8::MAX);
+        let stroke = Stroke { width: line_width as f32, line_cap: LineCap::Round, ..Stroke::default() };
+        let on_canvas = |c: CornerId| panel.on_canvas(fit.apply(self.uv.corner(c)));
+        for edges in self.outline.chunks(EDGES_PER_PATH) {
+            let mut path = PathBuilder::new();
+            for &edge in edges {
+                let [from, to] = [edge, edge.next()].map(on_canvas);
+                path.move_to(from.x as f32, from.y as f32);
+                path.line_to(to.x as f32, to.y as f32);
+            }
+            if let Some(path) = path.finish() {
+                canvas.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
+            }
+        }
+    }
+}
+
+/// For every face whether it is oriented against the majority of the faces that have an area.
+pub(crate) fn flipped_faces(uv: &UvMap) -> Vec<bool> {
+    let signs: Vec<f64> = uv.triangles().map(|[a, b, c]| (b - a).perp(&(c - a))).collect();
+    let positive = signs.iter().filter(|&&area| area > 0.0).count();
+    let negative = signs.iter().filter(|&&area| area < 0.0).count();
+    let majority = if positive >= negative { 1.0 } else { -1.0 };
+    signs.iter().map(|area| area * majority < 0.0).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abf_mesh::{Point2, UvId};
+
+    /// Triangles at the origin, counter-clockwise, clockwise or without area.
+    fn turning(signs: &[f64]) -> UvMap {
+        let points = signs.iter().flat_map(|&s| [[0.0, 0.0], [1.0, 0.0], [0.5, s]]).map(Point2::from).collect();
+        UvMap::new(points, (0..3 * signs.len()).map(UvId::new).collect())
+    }
+
+    #[test]
+    fn a_triangle_is_flipped_if_the_majority_turns_the_other_way() {
+        assert_eq!(flipped_faces(&turning(&[1.0, -1.0, 2.0, 0.0])), [false, true, false, false]);
+        assert_eq!(flipped_faces(&turning(&[-1.0, -1.0, 2.0, 0.0])), [false, false, true, false]);
+    }
+}

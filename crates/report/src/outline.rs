@@ -1,0 +1,91 @@
+//! Where the layout ends: boundary edges and seams.
+
+use abf_mesh::{CornerId, TriMesh, UvMap};
+
+/// Every edge with the layout on one side only, named by the corner it starts at.
+///
+/// Edge `c` runs from corner `c` to the next corner of its face. Two faces are joined at an edge
+/// of the surface if no third one is there and the UVs of both its ends agree; otherwise the edge
+/// is a boundary or a seam, and each of its faces has it in the list. What counts is the place of
+/// a vertex, not its index: files that repeat a vertex for every face have no other outline.
+pub(crate) fn outline(mesh: &TriMesh, uv: &UvMap) -> Vec<CornerId> {
+    let place = places(mesh);
+    let place_of = |c: CornerId| place[mesh.faces()[c.face().index()][c.place()].index()];
+    let ends = |c: CornerId| {
+        let (from, to) = (place_of(c), place_of(c.next()));
+        [from.min(to), from.max(to)]
+    };
+    // Whether the layout, too, has both ends of two edges of the surface in common.
+    let joined = |c: CornerId, d: CornerId| {
+        let [from, to, start, end] = [c, c.next(), d, d.next()].map(|c| uv.corner(c));
+        if place_of(c) == place_of(d) { (from, to) == (start, end) } else { (from, to) == (end, start) }
+    };
+    let mut edges: Vec<([u32; 2], CornerId)> =
+        (0..3 * mesh.face_count()).map(CornerId::new).map(|c| (ends(c), c)).collect();
+    edges.sort_unstable();
+    let mut open: Vec<CornerId> = edges
+        .chunk_by(|(a, _), (b, _)| a == b)
+        .filter(|same| !matches!(same, [(_, c), (_, d)] if joined(*c, *d)))
+        .flatten()
+        .map(|&(_, c)| c)
+        .collect();
+    open.sort_unstable();
+    open
+}
+
+/// For every vertex the lowest index among the vertices in exactly its place.
+fn places(mesh: &TriMesh) -> Vec<u32> {
+    // Adding zero makes −0 and +0 the same bits.
+    let bits = |v: u32| mesh.positions()[v as usize].coords.map(|x| (x + 0.0).to_bits());
+    let mut order: Vec<([u64; 3], u32)> = (0..mesh.vertex_count() as u32).map(|v| (bits(v).into(), v)).collect();
+    order.sort_unstable();
+    let mut place = vec![0; order.len()];
+    for same in order.chunk_by(|(a, _), (b, _)| a == b) {
+        let (_, lowest) = same[0];
+        same.iter().for_each(|&(_, v)| place[v as usize] = lowest);
+    }
+    place
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abf_mesh::{Point2, Point3, UvId};
+
+    fn square() -> TriMesh {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        TriMesh::new(corners.map(Point3::from).to_vec(), &[[0, 1, 2], [0, 2, 3]]).expect("indices in range")
+    }
+
+    /// The UVs of the square with a point of its own for every corner, the second face moved by `shift`.
+    fn unwelded(shift: f64) -> UvMap {
+        let mesh = square();
+        let points = mesh
+            .triangles()
+            .flatten()
+            .enumerate()
+            .map(|(c, p)| Point2::new(p.x + if c < 3 { 0.0 } else { shift }, p.y));
+        UvMap::new(points.collect(), (0..6).map(UvId::new).collect())
+    }
+
+    fn edges(uv: &UvMap) -> Vec<usize> {
+        outline(&square(), uv).into_iter().map(CornerId::index).collect()
+    }
+
+    #[test]
+    fn the_diagonal_of_a_square_is_not_part_of_its_outline() {
+        assert_eq!(edges(&unwelded(0.0)), [0, 1, 4, 5]);
+    }
+
+    #[test]
+    fn vertices_repeated_for_every_face_do_not_change_the_outline() {
+        let corners: Vec<Point3<f64>> = square().triangles().flatten().collect();
+        let soup = TriMesh::new(corners, &[[0, 1, 2], [3, 4, 5]]).expect("indices in range");
+        assert_eq!(outline(&soup, &unwelded(0.0)), outline(&square(), &unwelded(0.0)));
+    }
+
+    #[test]
+    fn both_sides_of_a_seam_are_part_of_the_outline() {
+        assert_eq!(edges(&unwelded(3.0)), [0, 1, 2, 3, 4, 5]);
+    }
+}
