@@ -26,11 +26,13 @@ pub use abf_metrics as metrics;
 pub use abf_reconstruct as reconstruct;
 pub use abf_solve_core as solve_core;
 
-pub use abf_constraints::EstimateSettings;
+pub use abf_constraints::{EstimateSettings, KktCounts, WheelForm};
 pub use abf_metrics::{Metrics, MetricsError};
 pub use abf_reconstruct::{LayoutKind, LayoutSettings};
 pub use abf_solve_core::{
-    AngleSolution, AngleSolver, Event, IterationRecord, Observer, Silent, Stage, StopCriteria, Termination, Verdict,
+    AngleSolution, AngleSolver, BoundRule, Event, Fallback, Hessian, InnerTolerance, IterationRecord,
+    IterativeSettings, LineSearch, NewtonSettings, Observer, PreconditionerKind, Reduction, Silent, Stage,
+    StopCriteria, Termination, Verdict,
 };
 pub use abf_solve_linabf::Passes;
 pub use pipeline::{FlattenError, Flattening, Pipeline, flatten};

@@ -1,14 +1,18 @@
 //! From a mesh to UVs: the stages in order.
 
 use crate::{Passes, SolverKind};
-use abf_constraints::{AngleProblem, EstimateSettings, ProblemError};
+use abf_constraints::{AngleProblem, EstimateSettings, ProblemError, WheelForm};
 use abf_mesh::{DiskError, GeometryError, Topology, TopologyError, TriMesh, UvMap};
 use abf_metrics::{Metrics, MetricsError};
 use abf_reconstruct::{Layout, LayoutError, LayoutKind, LayoutSettings, layout};
+use abf_solve_abf_newton::AbfNewton;
 use abf_solve_core::{
-    AngleSolution, AngleSolver, Event, Observer, Silent, SolveError, Stage, StopCriteria, Termination, Verdict,
+    AngleSolution, AngleSolver, BoundRule, Event, Hessian, InnerTolerance, IterativeSettings, LineSearch,
+    NewtonSettings, Observer, Silent, SolveError, Stage, StopCriteria, Termination, Verdict,
 };
 use abf_solve_linabf::LinAbf;
+use abf_solve_minres::Minres;
+use abf_solve_uzawa::Uzawa;
 
 /// Every setting of a flattening. The default is what [`flatten`] does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,6 +21,18 @@ pub struct Pipeline {
     pub solver: SolverKind,
     /// How many passes LinABF makes.
     pub passes: Passes,
+    /// The wheel form of the solvers with a fixed target; `None`: that of the named solver.
+    pub wheel: Option<WheelForm>,
+    /// Their Hessian; `None`: that of the named solver.
+    pub hessian: Option<Hessian>,
+    /// Their line search.
+    pub line_search: LineSearch,
+    /// How they keep angles inside (0, π).
+    pub bounds: BoundRule,
+    /// How exactly Uzawa and MINRES solve.
+    pub inner_tolerance: InnerTolerance,
+    /// What Uzawa and MINRES iterate on, and with which preconditioner.
+    pub iterative: IterativeSettings,
     /// How the estimate is made from the angles of the surface.
     pub estimate: EstimateSettings,
     /// When the solver stops.
@@ -156,15 +172,45 @@ impl Pipeline {
         Ok(settings)
     }
 
+    /// The solver with its settings; `None` for LSCM, which solves for no angles.
+    #[must_use]
+    pub fn angle_solver(&self) -> Option<Box<dyn AngleSolver>> {
+        let direct = |solver: AbfNewton| -> Option<Box<dyn AngleSolver>> {
+            Some(Box::new(AbfNewton { newton: self.newton(solver.newton), ..solver }))
+        };
+        match self.solver {
+            SolverKind::LinAbf => Some(Box::new(LinAbf { passes: self.passes })),
+            SolverKind::Abf => direct(AbfNewton::abf()),
+            SolverKind::AbfPlusPlus => direct(AbfNewton::abf_plus_plus()),
+            SolverKind::AbfNewton => direct(AbfNewton::exact_newton()),
+            SolverKind::AbfFixedTarget => direct(AbfNewton::fixed_target()),
+            SolverKind::Uzawa => {
+                Some(Box::new(Uzawa { newton: self.newton(Uzawa::default().newton), iterative: self.iterative }))
+            }
+            SolverKind::Minres => {
+                Some(Box::new(Minres { newton: self.newton(Minres::default().newton), iterative: self.iterative }))
+            }
+            SolverKind::Lscm => None,
+        }
+    }
+
+    /// A named point of the grid with the settings of this pipeline.
+    fn newton(&self, named: NewtonSettings) -> NewtonSettings {
+        NewtonSettings {
+            wheel: self.wheel.unwrap_or(named.wheel),
+            hessian: self.hessian.unwrap_or(named.hessian),
+            line_search: self.line_search,
+            bounds: self.bounds,
+            inner_tolerance: self.inner_tolerance,
+        }
+    }
+
     fn solve(
         &self,
         problem: &AngleProblem<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Option<AngleSolution>, FlattenError> {
-        let solver: Box<dyn AngleSolver> = match self.solver {
-            SolverKind::LinAbf => Box::new(LinAbf { passes: self.passes }),
-            SolverKind::Lscm => return Ok(None),
-        };
+        let Some(solver) = self.angle_solver() else { return Ok(None) };
         let solution = solver.solve(problem, &self.stop, observer);
         solution.map(Some).map_err(|source| FlattenError::Solve { solver: solver.name(), source })
     }

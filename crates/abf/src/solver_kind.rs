@@ -10,6 +10,18 @@ pub enum SolverKind {
     /// Linear ABF (Zayer, Lévy, Seidel 2007).
     #[default]
     LinAbf,
+    /// ABF as published in 2001 (Sheffer, de Sturler): product wheel, exact Hessian, whole matrix.
+    Abf,
+    /// ABF++ (Sheffer, Lévy, Mogilnitsky, Bogomyakov 2005): product wheel, Gauss–Newton, reduced.
+    AbfPlusPlus,
+    /// Newton's method with the log wheel and the exact Hessian (ZRS05), solved directly.
+    AbfNewton,
+    /// Log wheel, Gauss–Newton, the target of ABF kept.
+    AbfFixedTarget,
+    /// Newton's method solved by conjugate-direction Uzawa (Zayer, Rössl, Seidel 2004).
+    Uzawa,
+    /// Newton's method solved by MINRES (Zayer, Rössl, Seidel 2004).
+    Minres,
     /// Least squares conformal maps (Lévy et al. 2002): no angles are solved for, the layout alone
     /// does the work.
     Lscm,
@@ -17,13 +29,28 @@ pub enum SolverKind {
 
 impl SolverKind {
     /// Every solver, in the order of the documentation.
-    pub const ALL: [Self; 2] = [Self::LinAbf, Self::Lscm];
+    pub const ALL: [Self; 8] = [
+        Self::LinAbf,
+        Self::Abf,
+        Self::AbfPlusPlus,
+        Self::AbfNewton,
+        Self::AbfFixedTarget,
+        Self::Uzawa,
+        Self::Minres,
+        Self::Lscm,
+    ];
 
     /// The name on the command line and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::LinAbf => "linabf",
+            Self::Abf => "abf",
+            Self::AbfPlusPlus => "abf++",
+            Self::AbfNewton => "abf-newton",
+            Self::AbfFixedTarget => "abf-fixed-target",
+            Self::Uzawa => "uzawa",
+            Self::Minres => "minres",
             Self::Lscm => "lscm",
         }
     }
@@ -65,6 +92,6 @@ mod tests {
             assert_eq!(kind.name().parse(), Ok(kind));
         }
         let e = "slim".parse::<SolverKind>().unwrap_err();
-        assert!(e.to_string().contains("linabf, lscm"), "{e}");
+        assert!(e.to_string().contains("linabf, abf, abf++"), "{e}");
     }
 }

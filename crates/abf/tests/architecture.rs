@@ -60,7 +60,8 @@ fn offenders(words: &[&str], allowed: &[&str]) -> Vec<String> {
     for package in metadata().packages {
         let root = package.manifest_path.parent().expect("a manifest has a folder").to_path_buf();
         for (path, code) in sources(root.join("src").as_std_path()) {
-            let shown = path.strip_prefix(root.parent().expect("crates/")).expect("below crates/").display().to_string();
+            let shown =
+                path.strip_prefix(root.parent().expect("crates/")).expect("below crates/").display().to_string();
             let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
             let hit = lines.into_iter().any(|line| words.iter().any(|word| line.contains(word)));
             if hit && !allowed.iter().any(|prefix| shown.starts_with(prefix)) {
@@ -76,7 +77,8 @@ fn every_crate_has_a_layer_and_its_name_says_its_folder() {
     for package in metadata().packages {
         assert!(layer(&package.name).is_some(), "give {} a layer in ARCHITECTURE.md and here", package.name);
         let folder = package.manifest_path.parent().and_then(|p| p.file_name()).expect("crates/<folder>");
-        let expected = if ["abf", "bench-harness"].contains(&folder) { folder.to_owned() } else { format!("abf-{folder}") };
+        let expected =
+            if ["abf", "bench-harness"].contains(&folder) { folder.to_owned() } else { format!("abf-{folder}") };
         assert_eq!(*package.name, expected);
     }
 }

@@ -44,7 +44,8 @@ impl KktStep for DirectStep {
         if !watch.inner(0, f64::NAN) {
             return Err(StepError::Interrupted);
         }
-        let refinement = Refinement { tolerance: tolerance.min(Refinement::default().tolerance), ..Refinement::default() };
+        let refinement =
+            Refinement { tolerance: tolerance.min(Refinement::default().tolerance), ..Refinement::default() };
         let stats = match self.symbolic.factorise(&self.matrix) {
             Ok(factors) => factors.solve(&self.matrix, &mut self.rhs, refinement)?,
             // Negative entries of Λ may, but need not, make S indefinite.

@@ -47,7 +47,7 @@ pub struct KktVector {
 }
 
 /// What a step took and reached.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepReport {
     /// Inner iterations; refinement steps of a direct solve.
     pub iterations: usize,
@@ -57,6 +57,15 @@ pub struct StepReport {
     pub estimate: Option<f64>,
     /// Whether the exact Λ had to be given up for 2w.
     pub fallback: Option<Fallback>,
+    /// Whether an inner iteration met its tolerance. A step that did not may still be worth taking,
+    /// but that it is short says nothing about how far the optimum is.
+    pub inner_converged: bool,
+}
+
+impl Default for StepReport {
+    fn default() -> Self {
+        Self { iterations: 0, relative_residual: 0.0, estimate: None, fallback: None, inner_converged: true }
+    }
 }
 
 impl From<LinearStats> for StepReport {

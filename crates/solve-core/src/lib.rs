@@ -11,18 +11,21 @@
 //! and the solvers differ in where they take it ([`KktSystem`] holds the switches) and in how it is
 //! solved ([`KktStep`] is the seam). [`ReducedSystem`] eliminates the triangle rows, leaving a
 //! symmetric system of two unknowns per interior vertex; [`DirectStep`] solves that by sparse
-//! Cholesky.
+//! Cholesky. Iterative methods take it or the whole [`SchurComplement`] with a [`Preconditioning`].
 //!
 //! A solver cannot grade its own work: [`AngleSolution::measure`] is the only way to make a
 //! solution, and it computes the constraint residual from the angles.
 
 mod direct;
 mod hessian;
+mod iterative;
 mod kkt;
 mod line_search;
 mod newton;
 mod observe;
+mod preconditioner;
 mod reduced;
+mod schur;
 mod solution;
 mod solver;
 mod stop;
@@ -30,11 +33,14 @@ mod stop;
 pub use abf_linalg::{LinearError, LinearStats};
 pub use direct::DirectStep;
 pub use hessian::Hessian;
+pub use iterative::{IterativeSettings, PreconditionerKind, Reduction};
 pub use kkt::{KktStep, KktSystem, KktVector, ProductCurvature, StepError, StepReport};
 pub use line_search::{BoundRule, LineSearch};
 pub use newton::{InnerTolerance, NewtonSettings};
 pub use observe::{Event, Observer, Silent, Stage, Verdict, Watch};
+pub use preconditioner::Preconditioning;
 pub use reduced::ReducedSystem;
+pub use schur::{ConstraintProducts, SchurComplement};
 pub use solution::{AngleSolution, Fallback, IterationRecord, Termination};
 pub use solver::{AngleSolver, SolveError};
 pub use stop::StopCriteria;

@@ -93,9 +93,7 @@ impl NewtonSettings {
                 Err(StepError::Linear(_)) => break Termination::Stalled,
                 Err(StepError::Interrupted) => break watch.interruption().unwrap_or(Termination::Cancelled),
             }
-            let last = run.history[run.history.len() - 1];
-            if last.constraint_residual <= stop.tolerance && last.step_length == 1.0 && last.step <= stop.step_tolerance
-            {
+            if run.is_converged(stop) {
                 break Termination::Converged;
             }
             if let Some(interruption) = watch.interruption() {
@@ -190,7 +188,9 @@ impl<'p, 'a> Run<'p, 'a> {
             attempt.record.negative_curvature = tried.negative_curvature;
             attempt.record.inner_iterations += tried.inner_iterations;
         }
-        let Attempt { accepted: Some(accepted), mut record, out } = attempt else { return Ok(false) };
+        let Attempt { accepted, mut record, out } = attempt;
+        // An attempt that found no descent stays where it is, and is in the history all the same.
+        let accepted = accepted.unwrap_or_else(|| Accepted { angles: self.angles.clone(), share: 0.0, moved: 0 });
 
         self.angles = accepted.angles;
         self.multipliers.iter_mut().zip(&out.multipliers).for_each(|(m, d)| *m += accepted.share * d);
@@ -205,7 +205,16 @@ impl<'p, 'a> Run<'p, 'a> {
         }
         self.history.push(record);
         watch.iteration(&record);
-        Ok(true)
+        Ok(accepted.share > 0.0)
+    }
+
+    /// A small residual, and a last step that was small, full and solved to its tolerance: a step that
+    /// is short because its solve broke off says nothing.
+    fn is_converged(&self, stop: &StopCriteria) -> bool {
+        self.history.last().is_some_and(|last| {
+            let is_small = last.constraint_residual <= stop.tolerance && last.step <= stop.step_tolerance;
+            is_small && last.step_length == 1.0 && last.inner_converged
+        })
     }
 
     fn linearise(&self) -> Linearisation {
@@ -254,6 +263,7 @@ impl<'p, 'a> Run<'p, 'a> {
             inner_iterations: report.iterations,
             inner_residual: report.relative_residual,
             inner_estimate: report.estimate,
+            inner_converged: report.inner_converged,
             negative_curvature: exact.map_or(0, |(_, negative)| negative),
             fallback: report.fallback,
             ..IterationRecord::default()

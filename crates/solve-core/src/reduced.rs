@@ -15,6 +15,7 @@ const NO_BLOCK: u32 = u32::MAX;
 /// them. The vertices are ordered to keep the fill low, each then takes two unknowns in a row.
 #[derive(Debug)]
 pub struct ReducedSystem {
+    graph: Graph,
     order: Permutation,
     pattern: Arc<SymmetricPattern>,
     /// For each triangle and `k`, where the block between corners `k` and `k + 1` begins.
@@ -43,13 +44,28 @@ impl ReducedSystem {
                 })
             })
             .collect();
-        Ok(Self { order, pattern, edge_slot })
+        Ok(Self { graph, order, pattern, edge_slot })
     }
 
     /// Where `S` has entries.
     #[must_use]
     pub fn pattern(&self) -> &Arc<SymmetricPattern> {
         &self.pattern
+    }
+
+    /// The pattern with one unknown per interior vertex, in the same order: that of the V–V and of
+    /// the W–W block of `S`. Entry for entry it is every second one of [`ReducedSystem::pattern`]
+    /// within a column, the vertex unknown's column for V–V and the wheel unknown's for W–W.
+    #[must_use]
+    pub fn vertex_pattern(&self) -> SymmetricPattern {
+        SymmetricPattern::of_blocks(&self.graph, &self.order, 1)
+    }
+
+    /// For each unknown of `S` the constraint whose multiplier it is, as a row of [`ConstraintRows`].
+    #[must_use]
+    pub fn constraint_of_unknown(&self, rows: &ConstraintRows) -> Vec<u32> {
+        let vertices = (0..rows.interior_count()).map(|new| self.order.old_index(new));
+        vertices.flat_map(|i| [rows.vertex(i) as u32, rows.wheel(i) as u32]).collect()
     }
 
     /// The unknown of the vertex multiplier of the `interior`-th interior vertex; that of its wheel

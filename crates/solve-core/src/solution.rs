@@ -67,11 +67,13 @@ pub struct IterationRecord {
     pub inner_residual: f64,
     /// The inner method's own estimate of that residual, where it has one. The papers stop on it.
     pub inner_estimate: Option<f64>,
+    /// Whether the inner solve met the tolerance it was given.
+    pub inner_converged: bool,
     /// How many angles were moved to the angle bounds before it.
     pub moved_angles: usize,
     /// `Σ w (x − a)²` after it; `None` for methods that have no fixed target.
     pub energy: Option<f64>,
-    /// The share of the full step that was taken.
+    /// The share of the full step that was taken; 0 when no share of it led anywhere.
     pub step_length: f64,
     /// How many entries of Λ were negative.
     pub negative_curvature: usize,

@@ -182,6 +182,7 @@ impl<'p, 'a> Run<'p, 'a> {
             step,
             inner_iterations: stats.iterations,
             inner_residual: stats.relative_residual,
+            inner_converged: true,
             moved_angles,
             step_length: 1.0,
             ..IterationRecord::default()

@@ -1,0 +1,222 @@
+//! Preconditioners of `M` and of `S`, and when to build them anew.
+//!
+//! All of them are built with `Λ = 2w`: MINRES and conjugate directions need a positive definite
+//! preconditioner even where the exact `Λ` is not.
+//!
+//! In `S` the vertex and the wheel multipliers are coupled weakly. Its V–V and W–W blocks each have
+//! the pattern of a Laplacian on the interior vertices, so one ordering and one symbolic analysis
+//! serve both, and factorising the two costs about a quarter of factorising `S`.
+//!
+//! `M` holds the triangle rows too, `T = J_t Λ⁻¹ J_tᵀ` and `K = J_R Λ⁻¹ J_tᵀ`, and these are coupled
+//! strongly: a preconditioner that ignores `K`, `diag(T, S_vv, S_ww)`, takes ten times more iterations
+//! than none. But `T` is diagonal, so `K` is eliminated exactly, and back again:
+//!
+//! ```text
+//! M = [ I       0 ] [ T  0 ] [ I  T⁻¹Kᵀ ]        C = the same with diag(S_vv, S_ww) for S.
+//!     [ K T⁻¹   I ] [ 0  S ] [ 0  I     ]
+//! ```
+//!
+//! `C⁻¹M` has `nt` eigenvalues 1 and beyond these the ones that `S` has with its own blocks.
+
+use crate::schur::schur_diagonal;
+use crate::{ConstraintProducts, KktSystem, LinearError, PreconditionerKind, ReducedSystem};
+use abf_constraints::{ConstraintRows, TriangleReduction};
+use abf_linalg::{Cholesky, Identity, Jacobi, Preconditioner, SymbolicCholesky, SymmetricMatrix, SymmetricPattern};
+use abf_mesh::Topology;
+use std::sync::Arc;
+
+/// Factors that a solve needed more iterations than this with are outdated. Fresh ones need 11 to 46
+/// to a relative residual of 1e-10 at any size, so frozen ones that stay below this are as good, and
+/// above it a few saved iterations pay for a factorisation.
+const REFACTOR_AFTER: usize = 60;
+
+/// Blocks with fewer unknowns than this are solved one after the other.
+const PARALLEL_LEN: usize = 1 << 12;
+
+/// The preconditioner of one solver, kept across outer steps.
+pub struct Preconditioning {
+    recipe: Recipe,
+    current: Box<dyn Preconditioner>,
+    is_outdated: bool,
+    factorisations: usize,
+}
+
+/// How to build it.
+enum Recipe {
+    Identity,
+    DiagonalOfM,
+    DiagonalOfS(Arc<ReducedSystem>),
+    Block(BlockRecipe),
+}
+
+impl Preconditioning {
+    /// Analyses what the kind needs of a topology. `reduced` is the system whose `S` is to be solved,
+    /// and its order of the unknowns holds; without it the preconditioner is one of `M`.
+    ///
+    /// # Errors
+    /// [`LinearError`] when an ordering or analysis does not fit in memory or in 32-bit indices.
+    pub fn new(
+        kind: PreconditionerKind,
+        topology: &Topology,
+        rows: &ConstraintRows,
+        reduced: Option<&Arc<ReducedSystem>>,
+    ) -> Result<Self, LinearError> {
+        let recipe = match (kind, reduced) {
+            (PreconditionerKind::None, _) => Recipe::Identity,
+            (PreconditionerKind::Jacobi, None) => Recipe::DiagonalOfM,
+            (PreconditionerKind::Jacobi, Some(system)) => Recipe::DiagonalOfS(Arc::clone(system)),
+            (PreconditionerKind::Block, _) => Recipe::Block(BlockRecipe::new(topology, rows, reduced)?),
+        };
+        Ok(Self { recipe, current: Box::new(Identity), is_outdated: true, factorisations: 0 })
+    }
+
+    /// The preconditioner for a system: a diagonal is always fresh, factors are frozen until
+    /// [`Preconditioning::used`] finds them outdated.
+    ///
+    /// # Errors
+    /// [`LinearError`] when a block cannot be factorised.
+    pub fn prepare(&mut self, kkt: &KktSystem<'_>) -> Result<&dyn Preconditioner, LinearError> {
+        let kkt = KktSystem { lambda: kkt.gauss_newton, off_diagonal: None, ..*kkt };
+        match &self.recipe {
+            Recipe::DiagonalOfM => self.current = Box::new(Jacobi::new(&schur_diagonal(&kkt))?),
+            Recipe::DiagonalOfS(system) => self.current = Box::new(Jacobi::new(&diagonal(&assemble(system, &kkt)))?),
+            Recipe::Block(block) if self.is_outdated => {
+                self.current = block.factorise(&kkt)?;
+                self.is_outdated = false;
+                self.factorisations += 1;
+            }
+            Recipe::Identity | Recipe::Block(_) => {}
+        }
+        Ok(&*self.current)
+    }
+
+    /// Says how many iterations a solve with it took.
+    pub fn used(&mut self, iterations: usize) {
+        self.is_outdated = iterations > REFACTOR_AFTER;
+    }
+
+    /// How often blocks were factorised.
+    #[must_use]
+    pub fn factorisations(&self) -> usize {
+        self.factorisations
+    }
+}
+
+fn assemble(system: &ReducedSystem, kkt: &KktSystem<'_>) -> SymmetricMatrix<f64> {
+    let mut matrix = SymmetricMatrix::zeros(Arc::clone(system.pattern()));
+    let mut rhs = vec![0.0; matrix.size()];
+    system.assemble(kkt, &mut matrix, &mut rhs);
+    matrix
+}
+
+fn diagonal(matrix: &SymmetricMatrix<f64>) -> Vec<f64> {
+    (0..matrix.size()).map(|column| matrix.values[matrix.pattern().column(column).start]).collect()
+}
+
+/// What the block preconditioner needs once per topology.
+struct BlockRecipe {
+    system: Arc<ReducedSystem>,
+    pattern: Arc<SymmetricPattern>,
+    symbolic: Arc<SymbolicCholesky>,
+    /// `J_R`, to eliminate the triangle rows of `M` with.
+    elimination: Option<ConstraintProducts>,
+}
+
+impl BlockRecipe {
+    fn new(
+        topology: &Topology,
+        rows: &ConstraintRows,
+        reduced: Option<&Arc<ReducedSystem>>,
+    ) -> Result<Self, LinearError> {
+        let (system, elimination) = match reduced {
+            Some(system) => (Arc::clone(system), None),
+            None => {
+                let system = Arc::new(ReducedSystem::new(topology, rows)?);
+                let products = ConstraintProducts::reduced(topology, rows, &system);
+                (system, Some(products))
+            }
+        };
+        let pattern = Arc::new(system.vertex_pattern());
+        let symbolic = SymbolicCholesky::analyse(Arc::clone(&pattern))?;
+        Ok(Self { system, pattern, symbolic, elimination })
+    }
+
+    fn factorise(&self, kkt: &KktSystem<'_>) -> Result<Box<dyn Preconditioner>, LinearError> {
+        let s = assemble(&self.system, kkt);
+        let blocks = Blocks { vertex: self.block(&s, 0)?, wheel: self.block(&s, 1)? };
+        Ok(match &self.elimination {
+            None => Box::new(blocks),
+            Some(products) => Box::new(BlocksWithTriangles::new(blocks, products.clone(), kkt)),
+        })
+    }
+
+    /// Factors of the V–V block of `S` (`part` 0) or of its W–W block (`part` 1).
+    fn block(&self, s: &SymmetricMatrix<f64>, part: usize) -> Result<Cholesky<f64>, LinearError> {
+        let mut block = SymmetricMatrix::zeros(Arc::clone(&self.pattern));
+        // Column 2q of S holds rows 2q, 2q + 1 and then pairs; column 2q + 1 its own diagonal and the
+        // same pairs. Every second entry is one of the block.
+        let slots = (0..self.pattern.size()).flat_map(|q| s.pattern().column(2 * q + part).step_by(2));
+        block.values.iter_mut().zip(slots).for_each(|(value, slot)| *value = s.values[slot]);
+        self.symbolic.factorise(&block)
+    }
+}
+
+/// `diag(S_vv, S_ww)⁻¹`, vectors in the order of the unknowns of `S`: vertex, wheel, vertex, wheel, …
+struct Blocks {
+    vertex: Cholesky<f64>,
+    wheel: Cholesky<f64>,
+}
+
+impl Preconditioner for Blocks {
+    fn apply(&self, r: &[f64], out: &mut [f64]) {
+        let solve = |factors: &Cholesky<f64>, part: usize| {
+            let part: Vec<f64> = r.iter().skip(part).step_by(2).copied().collect();
+            let mut solved = vec![0.0; part.len()];
+            factors.apply(&part, &mut solved);
+            solved
+        };
+        let (vertex, wheel) = if r.len() < PARALLEL_LEN {
+            (solve(&self.vertex, 0), solve(&self.wheel, 1))
+        } else {
+            rayon::join(|| solve(&self.vertex, 0), || solve(&self.wheel, 1))
+        };
+        for ((pair, v), w) in out.chunks_exact_mut(2).zip(vertex).zip(wheel) {
+            pair.copy_from_slice(&[v, w]);
+        }
+    }
+}
+
+/// `C⁻¹` for `M`, vectors in the order of [`ConstraintRows`].
+struct BlocksWithTriangles {
+    blocks: Blocks,
+    /// With 2w: `T⁻¹` and the two products with `Λ⁻¹ J_tᵀ T⁻¹`.
+    triangles: Vec<TriangleReduction>,
+    /// `J_R`.
+    products: ConstraintProducts,
+}
+
+impl BlocksWithTriangles {
+    fn new(blocks: Blocks, mut products: ConstraintProducts, kkt: &KktSystem<'_>) -> Self {
+        products.update(kkt);
+        let triangles = kkt.lambda.chunks_exact(3).map(|l| TriangleReduction::new([l[0], l[1], l[2]])).collect();
+        Self { blocks, triangles, products }
+    }
+}
+
+impl Preconditioner for BlocksWithTriangles {
+    fn apply(&self, r: &[f64], out: &mut [f64]) {
+        // Down: r_R − K T⁻¹ r_t.
+        let mut corners: Vec<f64> = self.triangles.iter().zip(r).flat_map(|(t, &r)| t.shift(r)).collect();
+        let kept = self.products.kept_rows();
+        let (mut reduced, mut solved) = (vec![0.0; kept.len()], vec![0.0; kept.len()]);
+        self.products.multiply(&corners, &mut reduced);
+        reduced.iter_mut().zip(kept).for_each(|(v, &row)| *v = r[row as usize] - *v);
+        self.blocks.apply(&reduced, &mut solved);
+        // Up: T⁻¹ (r_t − Kᵀ z_R).
+        self.products.multiply_transposed(&solved, &mut corners);
+        for (t, triangle) in self.triangles.iter().enumerate() {
+            out[t] = triangle.multiplier(r[t], [corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]]);
+        }
+        kept.iter().zip(solved).for_each(|(&row, z)| out[row as usize] = z);
+    }
+}

@@ -1,0 +1,85 @@
+//! One quadratic step by MINRES, on the whole `M` or on the reduced `S`.
+
+use abf_constraints::ConstraintRows;
+use abf_linalg::{SymmetricMatrix, minres};
+use abf_mesh::Topology;
+use abf_solve_core::{
+    ConstraintProducts, IterativeSettings, KktStep, KktSystem, KktVector, LinearError, Preconditioning, ReducedSystem,
+    Reduction, SchurComplement, StepError, StepReport, Watch,
+};
+use std::sync::Arc;
+
+/// Solves a step, `Λ` of any sign, by MINRES with a positive definite preconditioner.
+pub struct MinresStep {
+    settings: IterativeSettings,
+    system: System,
+    preconditioning: Preconditioning,
+}
+
+/// What is solved.
+enum System {
+    /// `M μ = h − J Λ⁻¹ g`, matrix free.
+    Whole(ConstraintProducts),
+    /// `S μ_R = r`, assembled.
+    Reduced(Arc<ReducedSystem>),
+}
+
+impl MinresStep {
+    /// Prepares what the settings need of a topology.
+    ///
+    /// # Errors
+    /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
+    pub fn new(topology: &Topology, rows: &ConstraintRows, settings: IterativeSettings) -> Result<Self, LinearError> {
+        let system = match settings.reduction {
+            Reduction::None => System::Whole(ConstraintProducts::whole(topology, rows)),
+            Reduction::Triangles => System::Reduced(Arc::new(ReducedSystem::new(topology, rows)?)),
+        };
+        let reduced = match &system {
+            System::Whole(_) => None,
+            System::Reduced(reduced) => Some(reduced),
+        };
+        let preconditioning = Preconditioning::new(settings.preconditioner, topology, rows, reduced)?;
+        Ok(Self { settings, system, preconditioning })
+    }
+
+    /// How often the blocks of the preconditioner were factorised.
+    #[must_use]
+    pub fn factorisations(&self) -> usize {
+        self.preconditioning.factorisations()
+    }
+}
+
+impl KktStep for MinresStep {
+    fn step(
+        &mut self,
+        kkt: &KktSystem<'_>,
+        tolerance: f64,
+        watch: &mut Watch<'_>,
+        out: &mut KktVector,
+    ) -> Result<StepReport, StepError> {
+        let preconditioner = self.preconditioning.prepare(kkt)?;
+        let params = self.settings.krylov(tolerance);
+        let mut go_on = |iteration, estimate| watch.inner(iteration, estimate);
+        let stats = match &mut self.system {
+            System::Whole(products) => {
+                products.update(kkt);
+                let m = SchurComplement::new(products, kkt);
+                out.multipliers = vec![0.0; kkt.rows.len()];
+                let b = m.right_hand_side();
+                let stats = minres(&m, preconditioner, &b, &mut out.multipliers, &params, &mut go_on);
+                m.back_substitute(&out.multipliers, &mut out.delta);
+                stats
+            }
+            System::Reduced(system) => {
+                let mut s = SymmetricMatrix::zeros(Arc::clone(system.pattern()));
+                let (mut r, mut solution) = (vec![0.0; s.size()], vec![0.0; s.size()]);
+                system.assemble(kkt, &mut s, &mut r);
+                let stats = minres(&s, preconditioner, &r, &mut solution, &params, &mut go_on);
+                system.back_substitute(kkt, &solution, out);
+                stats
+            }
+        };
+        self.preconditioning.used(stats.iterations);
+        StepReport::from_krylov(stats)
+    }
+}

@@ -1,0 +1,166 @@
+//! One quadratic step by Uzawa, with all constraints or with the triangle rows eliminated.
+
+use crate::{RightHandSide, SaddlePoint, uzawa};
+use abf_constraints::{ConstraintRows, TriangleReduction};
+use abf_linalg::{KrylovEnd, KrylovParams, KrylovStats};
+use abf_mesh::Topology;
+use abf_solve_core::{
+    ConstraintProducts, Fallback, IterativeSettings, KktStep, KktSystem, KktVector, LinearError, Preconditioning,
+    ReducedSystem, Reduction, StepError, StepReport, Watch,
+};
+use std::sync::Arc;
+
+/// Solves a step by conjugate-direction Uzawa.
+///
+/// With the exact Hessian the Schur complement need not be positive definite. When the method meets
+/// `⟨p, h⟩ ≤ 0` the step is solved again with `Λ = 2w`, and the report says so. With the triangle rows
+/// eliminated that is rarer: there a negative entry of `Λ` does no harm as long as its triangle, with
+/// its sum of angles held, is still convex.
+pub struct UzawaStep {
+    settings: IterativeSettings,
+    products: ConstraintProducts,
+    /// With the triangle rows eliminated.
+    reduced: Option<Arc<ReducedSystem>>,
+    preconditioning: Preconditioning,
+}
+
+impl UzawaStep {
+    /// Prepares what the settings need of a topology.
+    ///
+    /// # Errors
+    /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
+    pub fn new(topology: &Topology, rows: &ConstraintRows, settings: IterativeSettings) -> Result<Self, LinearError> {
+        let reduced = match settings.reduction {
+            Reduction::None => None,
+            Reduction::Triangles => Some(Arc::new(ReducedSystem::new(topology, rows)?)),
+        };
+        let products = match &reduced {
+            None => ConstraintProducts::whole(topology, rows),
+            Some(system) => ConstraintProducts::reduced(topology, rows, system),
+        };
+        let preconditioning = Preconditioning::new(settings.preconditioner, topology, rows, reduced.as_ref())?;
+        Ok(Self { settings, products, reduced, preconditioning })
+    }
+
+    /// How often the blocks of the preconditioner were factorised.
+    #[must_use]
+    pub fn factorisations(&self) -> usize {
+        self.preconditioning.factorisations()
+    }
+
+    /// Solves with the `Λ` of this system, `done` iterations of the step being used up.
+    fn solve(
+        &mut self,
+        kkt: &KktSystem<'_>,
+        tolerance: f64,
+        done: usize,
+        watch: &mut Watch<'_>,
+        out: &mut KktVector,
+    ) -> Result<KrylovStats, LinearError> {
+        let c = self.preconditioning.prepare(kkt)?;
+        let saddle = Saddle::new(&self.products, kkt, self.settings.reduction);
+        let (f, g) = saddle.right_hand_side(kkt);
+        let max_iterations = self.settings.max_inner_iterations - done;
+        let params = KrylovParams { max_iterations, ..self.settings.krylov(tolerance) };
+        let mut go_on = |iteration, estimate| watch.inner(done + iteration, estimate);
+        let (unknowns, stats) = uzawa(&saddle, c, RightHandSide { f: &f, g: &g }, &params, &mut go_on);
+        self.preconditioning.used(stats.iterations);
+        match &self.reduced {
+            None => *out = KktVector { delta: unknowns.x, multipliers: unknowns.lambda },
+            // Repeats the last computation of x, and adds the shift and the triangle multipliers.
+            Some(system) => system.back_substitute(kkt, &unknowns.lambda, out),
+        }
+        Ok(stats)
+    }
+}
+
+impl KktStep for UzawaStep {
+    fn step(
+        &mut self,
+        kkt: &KktSystem<'_>,
+        tolerance: f64,
+        watch: &mut Watch<'_>,
+        out: &mut KktVector,
+    ) -> Result<StepReport, StepError> {
+        self.products.update(kkt);
+        let first = self.solve(kkt, tolerance, 0, watch, out)?;
+        if first.end != KrylovEnd::NegativeCurvature || kkt.lambda == kkt.gauss_newton {
+            return StepReport::from_krylov(first);
+        }
+        let gauss_newton = KktSystem { lambda: kkt.gauss_newton, ..*kkt };
+        let second = self.solve(&gauss_newton, tolerance, first.iterations, watch, out)?;
+        let both = KrylovStats { iterations: first.iterations + second.iterations, ..second };
+        Ok(StepReport { fallback: Some(Fallback::NegativeCurvature), ..StepReport::from_krylov(both)? })
+    }
+}
+
+/// The saddle point of a step.
+///
+/// * All constraints: `A = Λ`, `B = J`, `f = −g`, right-hand side `−h`; `x = δ`.
+/// * Triangle rows eliminated: `A⁻¹ = P`, triangle by triangle ([`TriangleReduction`]), `B = R`, the
+///   vertex and wheel rows. `P` keeps every sum of angles, so the triangle rows hold by themselves for
+///   `x = δ + s h_t` if the shift `s h_t` is taken to the right: `R x = R s h_t − h_R`. `P` has no
+///   inverse; the algorithm asks for none.
+struct Saddle<'a> {
+    products: &'a ConstraintProducts,
+    inverse: Inverse,
+}
+
+/// `A⁻¹`.
+enum Inverse {
+    Diagonal(Vec<f64>),
+    Triangles(Vec<TriangleReduction>),
+}
+
+impl<'a> Saddle<'a> {
+    fn new(products: &'a ConstraintProducts, kkt: &KktSystem<'_>, reduction: Reduction) -> Self {
+        let triangles = kkt.lambda.chunks_exact(3);
+        let inverse = match reduction {
+            Reduction::None => Inverse::Diagonal(kkt.lambda.iter().map(|l| l.recip()).collect()),
+            Reduction::Triangles => {
+                Inverse::Triangles(triangles.map(|l| TriangleReduction::new([l[0], l[1], l[2]])).collect())
+            }
+        };
+        Self { products, inverse }
+    }
+
+    /// `f` and `g` of the saddle point.
+    fn right_hand_side(&self, kkt: &KktSystem<'_>) -> (Vec<f64>, Vec<f64>) {
+        let f = kkt.gradient.iter().map(|g| -g).collect();
+        let kept = self.products.kept_rows();
+        let mut g = vec![0.0; kept.len()];
+        if let Inverse::Triangles(triangles) = &self.inverse {
+            let shift: Vec<f64> = triangles.iter().zip(kkt.residual).flat_map(|(t, &h)| t.shift(h)).collect();
+            self.products.multiply(&shift, &mut g);
+        }
+        g.iter_mut().zip(kept).for_each(|(g, &row)| *g -= kkt.residual[row as usize]);
+        (f, g)
+    }
+}
+
+impl SaddlePoint for Saddle<'_> {
+    fn sizes(&self) -> (usize, usize) {
+        (self.products.corner_count(), self.products.kept_rows().len())
+    }
+
+    fn solve_a(&self, p: &[f64], out: &mut [f64]) {
+        match &self.inverse {
+            Inverse::Diagonal(inverse) => {
+                out.iter_mut().zip(p).zip(inverse).for_each(|((x, p), inverse)| *x = p * inverse);
+            }
+            Inverse::Triangles(triangles) => {
+                for ((x, p), triangle) in out.chunks_exact_mut(3).zip(p.chunks_exact(3)).zip(triangles) {
+                    x.copy_from_slice(&triangle.project([p[0], p[1], p[2]]));
+                }
+            }
+        }
+    }
+
+    fn multiply_b(&self, x: &[f64], out: &mut [f64]) {
+        self.products.multiply(x, out);
+    }
+
+    fn multiply_b_transposed(&self, lambda: &[f64], out: &mut [f64]) {
+        self.products.multiply_transposed(lambda, out);
+    }
+}
