@@ -1,27 +1,18 @@
 //! The solvers with a fixed target, on real meshes: one optimum, reached from five sides.
 //!
-//! `ABF_MODELS` as in `models.rs`.
+//! `ABF_MODELS` as in `support`.
+
+#![allow(clippy::print_stdout, reason = "the numbers are the point")]
+
+mod support;
 
 use abf::constraints::AngleProblem;
-use abf::mesh::{Topology, TriMesh, io};
+use abf::mesh::{Topology, TriMesh};
 use abf::{
     AngleSolution, EstimateSettings, Hessian, InnerTolerance, IterativeSettings, Pipeline, PreconditionerKind,
     Reduction, Silent, SolverKind, StopCriteria, Termination, WheelForm,
 };
-use std::path::{Path, PathBuf};
-
-fn models(checks: usize) -> Option<PathBuf> {
-    let Some(folder) = std::env::var_os("ABF_MODELS").map(PathBuf::from) else {
-        println!("ABF_MODELS is not set: {checks} checks skipped");
-        return None;
-    };
-    assert!(folder.is_dir(), "ABF_MODELS names {}, which is not a folder", folder.display());
-    Some(folder)
-}
-
-fn read(folder: &Path, name: &str) -> TriMesh {
-    io::read(&folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}")).mesh
-}
+use support::{models, read};
 
 fn solve(pipeline: &Pipeline, mesh: &TriMesh) -> AngleSolution {
     let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");

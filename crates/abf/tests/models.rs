@@ -1,29 +1,17 @@
 //! Numbers on real meshes: the papers' own, and disks of other programs.
 //!
-//! `ABF_MODELS` names the folder that holds `paper/` and `disks/`; the meshes belong to others and
-//! are not in the repository. Not named: the number of skipped checks is printed. Named but missing:
-//! an error.
+//! `ABF_MODELS` as in `support`.
 
-use abf::mesh::{TriMesh, io};
+#![allow(clippy::print_stdout, reason = "the numbers are the point")]
+
+mod support;
+
+use abf::mesh::TriMesh;
 use abf::metrics::Metrics;
 use abf::{
     EstimateSettings, Flattening, LayoutKind, LayoutSettings, Passes, Pipeline, Silent, SolverKind, Termination,
 };
-use std::path::PathBuf;
-
-/// The folder of models, or `None` after saying what is skipped.
-fn models(checks: usize) -> Option<PathBuf> {
-    let Some(folder) = std::env::var_os("ABF_MODELS").map(PathBuf::from) else {
-        println!("ABF_MODELS is not set: {checks} checks skipped");
-        return None;
-    };
-    assert!(folder.is_dir(), "ABF_MODELS names {}, which is not a folder", folder.display());
-    Some(folder)
-}
-
-fn read(folder: &std::path::Path, name: &str) -> TriMesh {
-    io::read(&folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}")).mesh
-}
+use support::{models, read};
 
 fn run(pipeline: &Pipeline, mesh: &TriMesh) -> (Flattening, Metrics) {
     let flat = pipeline.run(mesh, &mut Silent).expect("a flattening");

@@ -1,6 +1,6 @@
 //! What must not change the result, and what must come back.
 
-use abf::mesh::{Point3, TriMesh, Vector3};
+use abf::mesh::{Point3, TriMesh, Vector3, VertexId};
 use abf::metrics::Metrics;
 use abf::{EstimateSettings, LayoutKind, LayoutSettings, Passes, Pipeline, Silent, SolverKind};
 use abf_shapes::Shape;
@@ -22,7 +22,7 @@ fn judge(pipeline: &Pipeline, mesh: &TriMesh) -> Metrics {
 }
 
 fn faces(mesh: &TriMesh) -> Vec<[usize; 3]> {
-    mesh.faces().iter().map(|f| f.map(|v| v.index())).collect()
+    mesh.faces().iter().map(|f| f.map(VertexId::index)).collect()
 }
 
 /// The mesh turned, scaled and moved.

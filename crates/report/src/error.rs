@@ -1,38 +1,15 @@
 //! Why there is no picture.
 
-use abf_mesh::{UvId, VertexId};
+use abf_metrics::MetricsError;
 
 /// Why a picture could not be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PictureError {
-    /// There is nothing to draw.
-    #[error("the mesh has no faces, so there is nothing to draw")]
-    EmptyMesh,
-    /// The UVs belong to another mesh.
-    #[error("the UV map has {found} corners, but the mesh has {expected}")]
-    CornerCount {
-        /// Corners of the mesh.
-        expected: usize,
-        /// Corners of the UV map.
-        found: usize,
-    },
-    /// NaN or infinite UVs.
-    #[error("UV point {first} is not finite ({count} such points in all)")]
-    UvNotFinite {
-        /// The first such UV point.
-        first: UvId,
-        /// How many there are.
-        count: usize,
-    },
-    /// NaN or infinite vertex coordinates.
-    #[error("vertex {first} has a coordinate that is not finite ({count} such vertices in all)")]
-    PositionNotFinite {
-        /// The first such vertex.
-        first: VertexId,
-        /// How many there are.
-        count: usize,
-    },
+    /// A mesh and a map of which there is no picture: no faces or no area, a map of another mesh,
+    /// coordinates that are not finite.
+    #[error(transparent)]
+    Input(#[from] MetricsError),
     /// A canvas without room for two panels.
     #[error("a canvas of {width} × {height} pixels is too small: each side must have at least {min}")]
     CanvasTooSmall {

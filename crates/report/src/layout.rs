@@ -74,30 +74,3 @@ impl Layout<'_> {
         }
     }
 }
-
-/// For every face whether it is oriented against the majority of the faces that have an area.
-pub(crate) fn flipped_faces(uv: &UvMap) -> Vec<bool> {
-    let signs: Vec<f64> = uv.triangles().map(|[a, b, c]| (b - a).perp(&(c - a))).collect();
-    let positive = signs.iter().filter(|&&area| area > 0.0).count();
-    let negative = signs.iter().filter(|&&area| area < 0.0).count();
-    let majority = if positive >= negative { 1.0 } else { -1.0 };
-    signs.iter().map(|area| area * majority < 0.0).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use abf_mesh::{Point2, UvId};
-
-    /// Triangles at the origin, counter-clockwise, clockwise or without area.
-    fn turning(signs: &[f64]) -> UvMap {
-        let points = signs.iter().flat_map(|&s| [[0.0, 0.0], [1.0, 0.0], [0.5, s]]).map(Point2::from).collect();
-        UvMap::new(points, (0..3 * signs.len()).map(UvId::new).collect())
-    }
-
-    #[test]
-    fn a_triangle_is_flipped_if_the_majority_turns_the_other_way() {
-        assert_eq!(flipped_faces(&turning(&[1.0, -1.0, 2.0, 0.0])), [false, true, false, false]);
-        assert_eq!(flipped_faces(&turning(&[-1.0, -1.0, 2.0, 0.0])), [false, false, true, false]);
-    }
-}

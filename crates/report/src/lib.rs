@@ -1,6 +1,6 @@
 //! Pictures of a flattened mesh: the checkered surface next to its layout.
 //!
-//! [`picture`] takes a mesh and its UVs and returns a PNG. On the left is the surface, textured
+//! [`picture()`] takes a mesh and its UVs and returns a PNG. On the left is the surface, textured
 //! with a checkerboard through its UVs; on the right the layout with the same checkerboard. Where
 //! the squares of the surface are square and of one size, the map keeps angles and areas; the hue
 //! drifts across the layout, so that a place on one side can be found on the other.

@@ -1,13 +1,14 @@
 //! The whole picture: its style, its checks, and the two panels on one canvas.
 
-use abf_mesh::{TriMesh, UvId, UvMap, VertexId};
+use abf_mesh::{TriMesh, UvMap};
+use abf_metrics::{Orientation, per_face};
 use tiny_skia::{Color, Pixmap};
 
 use crate::PictureError;
 use crate::camera::{Camera, View};
 use crate::checker::Checker;
 use crate::colour::Colour;
-use crate::layout::{Layout, flipped_faces};
+use crate::layout::Layout;
 use crate::outline::outline;
 use crate::panel::{Panel, bounds};
 use crate::surface::Surface;
@@ -64,8 +65,8 @@ impl Default for PictureStyle {
 /// The same input gives the same bytes.
 ///
 /// # Errors
-/// A [`PictureError`] if the mesh is empty, the map belongs to another mesh, a coordinate is not
-/// finite, or a setting of the style is out of its range.
+/// A [`PictureError`] if the mesh has no faces or no area, the map belongs to another mesh, a
+/// coordinate is not finite, or a setting of the style is out of its range.
 ///
 /// ```
 /// use abf_mesh::{Point2, Point3, TriMesh, UvMap};
@@ -80,13 +81,13 @@ impl Default for PictureStyle {
 /// ```
 pub fn picture(mesh: &TriMesh, uv: &UvMap, style: &PictureStyle) -> Result<Vec<u8>, PictureError> {
     check_style(style)?;
-    check_input(mesh, uv)?;
+    // The same judgement as in the figures: a red triangle is one that is counted as flipped.
+    let flipped: Vec<bool> = per_face(mesh, uv)?.iter().map(|f| f.orientation == Orientation::Flipped).collect();
     let camera = Camera::new(&style.view, mesh)?;
     let checker = Checker::over(bounds(uv.triangles().flatten()), style.checks);
-    let (flipped, outline) = (flipped_faces(uv), outline(mesh, uv));
-    let outline = if style.line_width > 0.0 { outline.as_slice() } else { &[] };
-    let surface = Surface { mesh, uv, camera: &camera, checker: &checker, flipped: &flipped, outline };
-    let layout = Layout { uv, checker: &checker, flipped: &flipped, outline };
+    let outline = if style.line_width > 0.0 { outline(mesh, uv) } else { Vec::new() };
+    let surface = Surface { mesh, uv, camera: &camera, checker: &checker, flipped: &flipped, outline: &outline };
+    let layout = Layout { uv, checker: &checker, flipped: &flipped, outline: &outline };
 
     let [left, right] = panels(style);
     let palette = Palette::on(style.background);
@@ -165,34 +166,11 @@ fn check_style(style: &PictureStyle) -> Result<(), PictureError> {
     }
 }
 
-/// Checks that there is something to draw, and that all of it is finite.
-fn check_input(mesh: &TriMesh, uv: &UvMap) -> Result<(), PictureError> {
-    if mesh.face_count() == 0 {
-        return Err(PictureError::EmptyMesh);
-    }
-    let (expected, found) = (3 * mesh.face_count(), uv.corners().len());
-    if expected != found {
-        return Err(PictureError::CornerCount { expected, found });
-    }
-    if let Some((first, count)) = not_finite(mesh.positions().iter().map(|p| p.iter().all(|x| x.is_finite()))) {
-        return Err(PictureError::PositionNotFinite { first: VertexId::new(first), count });
-    }
-    if let Some((first, count)) = not_finite(uv.points().iter().map(|p| p.iter().all(|x| x.is_finite()))) {
-        return Err(PictureError::UvNotFinite { first: UvId::new(first), count });
-    }
-    Ok(())
-}
-
-/// The first `false` and how many there are.
-fn not_finite(finite: impl Iterator<Item = bool> + Clone) -> Option<(usize, usize)> {
-    let first = finite.clone().position(|finite| !finite)?;
-    Some((first, finite.filter(|finite| !finite).count()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abf_mesh::{Point2, Point3};
+    use abf_mesh::{FaceId, Point2, Point3, UvId};
+    use abf_metrics::MetricsError;
 
     /// The unit square in the plane `z = 0`, seen face on, as its own layout.
     fn square() -> (TriMesh, UvMap) {
@@ -323,40 +301,42 @@ mod tests {
     }
 
     #[test]
-    fn a_mesh_without_extent_is_drawn_without_panic() {
-        let mesh = TriMesh::new(vec![Point3::new(1.0, 2.0, 3.0); 3], &[[0, 1, 2]]).expect("indices in range");
+    fn a_layout_without_extent_or_beyond_all_bounds_is_drawn_without_panic() {
+        let (mesh, _) = square();
         for z in [0.0, f64::MAX] {
-            let uv = UvMap::per_vertex(&mesh, &[Point2::new(z, 0.0), Point2::new(-z, 0.0), Point2::new(0.0, z)]);
-            assert_eq!(draw(&mesh, &uv, &small()).width(), 200);
+            let corners = [[z, 0.0], [-z, 0.0], [0.0, z], [0.0, -z]].map(Point2::from);
+            assert_eq!(draw(&mesh, &UvMap::per_vertex(&mesh, &corners), &small()).width(), 200);
         }
     }
 
     #[test]
-    fn rejects_an_empty_mesh() {
-        let mesh = TriMesh::new(vec![Point3::origin()], &[]).expect("no faces");
+    fn rejects_an_empty_mesh_and_one_without_area() {
+        let empty = TriMesh::new(vec![Point3::origin()], &[]).expect("no faces");
         let uv = UvMap::new(Vec::new(), Vec::new());
-        assert_eq!(picture(&mesh, &uv, &small()), Err(PictureError::EmptyMesh));
+        assert_eq!(picture(&empty, &uv, &small()), Err(MetricsError::NoFaces.into()));
+        let point = TriMesh::new(vec![Point3::new(1.0, 2.0, 3.0); 3], &[[0, 1, 2]]).expect("indices in range");
+        let uv = UvMap::per_vertex(&point, &[Point2::origin(); 3]);
+        assert_eq!(picture(&point, &uv, &small()), Err(MetricsError::NoArea { faces: 1 }.into()));
     }
 
     #[test]
     fn rejects_the_map_of_another_mesh() {
         let (mesh, _) = square();
         let uv = UvMap::new(vec![Point2::origin()], vec![UvId::new(0); 3]);
-        assert_eq!(picture(&mesh, &uv, &small()), Err(PictureError::CornerCount { expected: 6, found: 3 }));
+        assert_eq!(picture(&mesh, &uv, &small()), Err(MetricsError::CornerCount { corners: 3, faces: 2 }.into()));
     }
 
     #[test]
-    fn counts_coordinates_that_are_not_finite() {
+    fn counts_faces_whose_coordinates_are_not_finite() {
         let (mesh, uv) = square();
         let broken = uv.clone().mapped(|p| if p.x > 0.5 { Point2::new(f64::NAN, p.y) } else { p });
-        assert_eq!(picture(&mesh, &broken, &small()), Err(PictureError::UvNotFinite { first: UvId::new(1), count: 2 }));
+        let error = MetricsError::UvNotFinite { first: FaceId::new(0), count: 2 };
+        assert_eq!(picture(&mesh, &broken, &small()), Err(error.into()));
         let mut positions = mesh.positions().to_vec();
         positions[3].z = f64::INFINITY;
         let broken = TriMesh::new(positions, &[[0, 1, 2], [0, 2, 3]]).expect("indices in range");
-        assert_eq!(
-            picture(&broken, &uv, &small()),
-            Err(PictureError::PositionNotFinite { first: VertexId::new(3), count: 1 })
-        );
+        let error = MetricsError::PositionNotFinite { first: FaceId::new(1), count: 1 };
+        assert_eq!(picture(&broken, &uv, &small()), Err(error.into()));
     }
 
     #[test]
