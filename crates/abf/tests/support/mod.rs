@@ -8,7 +8,7 @@ use abf::mesh::{TriMesh, io};
 use std::path::{Path, PathBuf};
 
 /// The folder of models, or `None` after saying what is skipped.
-pub fn models(checks: usize) -> Option<PathBuf> {
+pub(crate) fn models(checks: usize) -> Option<PathBuf> {
     let Some(folder) = std::env::var_os("ABF_MODELS").map(PathBuf::from) else {
         println!("ABF_MODELS is not set: {checks} checks skipped");
         return None;
@@ -18,6 +18,6 @@ pub fn models(checks: usize) -> Option<PathBuf> {
 }
 
 /// One of the models.
-pub fn read(folder: &Path, name: &str) -> TriMesh {
+pub(crate) fn read(folder: &Path, name: &str) -> TriMesh {
     io::read(&folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}")).mesh
 }
