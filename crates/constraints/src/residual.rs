@@ -19,7 +19,15 @@ pub fn residual(form: WheelForm, topology: &Topology, rows: &ConstraintRows, ang
     h.extend(angles.chunks_exact(3).map(|x| x[0] + x[1] + x[2] - PI));
     let ring = |&v| topology.fan(v).map(CornerId::index).map(|c| angles[c]).sum::<f64>() - TAU;
     h.extend(rows.interior().iter().map(ring));
-    h.extend(rows.interior().iter().map(|&v| form.value(topology, v, angles)));
+    match form {
+        // Every corner is in two wheels: its logarithm is taken once.
+        WheelForm::Log => {
+            let log_sines: Vec<f64> = angles.iter().map(|x| x.sin().ln()).collect();
+            let ratio = |c: CornerId| log_sines[c.next().index()] - log_sines[c.prev().index()];
+            h.extend(rows.interior().iter().map(|&v| topology.fan(v).map(ratio).sum::<f64>()));
+        }
+        WheelForm::Product => h.extend(rows.interior().iter().map(|&v| form.value(topology, v, angles))),
+    }
     h
 }
 
@@ -31,7 +39,13 @@ pub fn max_residual(topology: &Topology, rows: &ConstraintRows, angles: &[f64]) 
         return f64::INFINITY;
     }
     let clamped: Vec<f64> = angles.iter().map(|x| x.clamp(RESIDUAL_CLAMP, PI - RESIDUAL_CLAMP)).collect();
-    residual(WheelForm::Log, topology, rows, &clamped).iter().fold(0.0, |max, h| h.abs().max(max))
+    largest(&residual(WheelForm::Log, topology, rows, &clamped))
+}
+
+/// `max |h|` of constraints already computed.
+#[must_use]
+pub fn largest(h: &[f64]) -> f64 {
+    h.iter().fold(0.0, |max, h| h.abs().max(max))
 }
 
 /// How many angles are not inside `(0, π)`.

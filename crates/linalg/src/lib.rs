@@ -30,6 +30,7 @@ mod minres;
 mod operator;
 mod refine;
 mod scalar;
+mod single;
 mod sparse;
 mod symmetric;
 #[cfg(test)]
@@ -47,6 +48,7 @@ pub use num_complex::Complex64;
 pub use operator::{Identity, Jacobi, LinOp, Preconditioner};
 pub use refine::{LinearStats, Refinement};
 pub use scalar::Scalar;
+pub use single::SingleCholesky;
 pub use sparse::SparseMatrix;
 pub use symmetric::{SymmetricMatrix, SymmetricPattern};
 

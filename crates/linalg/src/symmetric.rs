@@ -122,6 +122,25 @@ impl<T: Scalar> SymmetricMatrix<T> {
         self.pattern.size()
     }
 
+    /// The matrix of every second unknown, from `part` (0 or 1) on: of a matrix of 2 × 2 blocks, one of
+    /// the two diagonal blocks. `pattern` is that of the same graph and order with blocks of size 1.
+    ///
+    /// # Panics
+    /// If `pattern` is another one.
+    #[must_use]
+    pub fn every_second(&self, pattern: &Arc<SymmetricPattern>, part: usize) -> Self {
+        let mut half = Self::zeros(Arc::clone(pattern));
+        // Column 2q holds rows 2q, 2q + 1 and then pairs; column 2q + 1 its own diagonal and the same pairs.
+        let slots = (0..pattern.size()).flat_map(|q| self.pattern.column(2 * q + part).step_by(2));
+        let mut taken = 0;
+        for (value, slot) in half.values.iter_mut().zip(slots) {
+            *value = self.values[slot];
+            taken += 1;
+        }
+        assert!(taken == pattern.stored() && 2 * pattern.size() == self.size(), "a pattern of the same graph");
+        half
+    }
+
     /// Adds to entry `(row, column)` of the full matrix; one above the diagonal is added,
     /// conjugated, to its mirror image.
     ///

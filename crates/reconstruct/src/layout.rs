@@ -173,7 +173,7 @@ fn place(topology: &Topology, angles: &[f64], pins: Pins, settings: &LayoutSetti
             let (z, stats) = solved.map_err(|source| LayoutError::Linear { kind, source })?;
             Ok(Placed { z, kind, linear: Some(stats), closing_error })
         }
-        _ => Ok(Placed { z: edges.place(topology, angles), kind: LayoutKind::Tree, linear: None, closing_error }),
+        _ => Ok(Placed { z: edges.place(topology), kind: LayoutKind::Tree, linear: None, closing_error }),
     }
 }
 

@@ -23,7 +23,7 @@ pub(crate) fn place(
     let (mut x, mut y) = (vec![0.0; matrix.size()], vec![0.0; matrix.size()]);
     for c in topology.corners() {
         let weight = angles[c.index()].tan().recip();
-        let edge = edges.vector(angles, c) * weight;
+        let edge = edges.vector(c) * weight;
         let (from, to) = (numbering.unknown(topology.vertex(c.next())), numbering.unknown(topology.vertex(c.prev())));
         for (end, sign) in [(from, -1.0), (to, 1.0)] {
             if let Some(u) = end {

@@ -16,6 +16,7 @@
 //! A solver cannot grade its own work: [`AngleSolution::measure`] is the only way to make a
 //! solution, and it computes the constraint residual from the angles.
 
+mod conjugate;
 mod direct;
 mod hessian;
 mod iterative;
@@ -29,8 +30,11 @@ mod schur;
 mod solution;
 mod solver;
 mod stop;
+#[cfg(test)]
+mod test_support;
 
 pub use abf_linalg::{LinearError, LinearStats};
+pub use conjugate::ConjugateStep;
 pub use direct::DirectStep;
 pub use hessian::Hessian;
 pub use iterative::{IterativeSettings, PreconditionerKind, Reduction};

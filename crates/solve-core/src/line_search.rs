@@ -2,6 +2,8 @@
 
 use abf_constraints::{AngleProblem, WheelForm, residual};
 use std::f64::consts::PI;
+use std::fmt;
+use std::str::FromStr;
 
 /// How angles are kept inside (0, π).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +62,27 @@ pub enum LineSearch {
     /// and leaves open which).
     #[default]
     Merit,
+}
+
+impl fmt::Display for LineSearch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Full => "full",
+            Self::Merit => "merit",
+        })
+    }
+}
+
+impl FromStr for LineSearch {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "full" => Ok(Self::Full),
+            "merit" => Ok(Self::Merit),
+            _ => Err(format!("unknown line search '{s}': merit, full")),
+        }
+    }
 }
 
 /// Armijo's share of the predicted decrease that must be reached.
@@ -148,6 +171,14 @@ fn norm1(h: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_read_back() {
+        for search in [LineSearch::Full, LineSearch::Merit] {
+            assert_eq!(search.to_string().parse(), Ok(search));
+        }
+        assert!("armijo".parse::<LineSearch>().is_err());
+    }
 
     #[test]
     fn the_longest_step_leaves_every_angle_its_share_of_room() {

@@ -220,3 +220,98 @@ impl Preconditioner for BlocksWithTriangles {
         kept.iter().zip(solved).for_each(|(&row, z)| out[row as usize] = z);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SchurComplement;
+    use crate::test_support::{Planted, apart, wave};
+    use abf_linalg::LinOp;
+
+    const KINDS: [PreconditionerKind; 3] =
+        [PreconditionerKind::None, PreconditionerKind::Jacobi, PreconditionerKind::Block];
+
+    fn reduced_system(kkt: &KktSystem<'_>) -> Arc<ReducedSystem> {
+        Arc::new(ReducedSystem::new(kkt.topology, kkt.rows).expect("fits"))
+    }
+
+    fn with_2w<'a>(kkt: &KktSystem<'a>) -> KktSystem<'a> {
+        KktSystem { lambda: kkt.gauss_newton, ..*kkt }
+    }
+
+    #[test]
+    fn every_preconditioner_is_symmetric_and_positive_though_lambda_is_not() {
+        let planted = Planted::new(300);
+        let kkt = planted.kkt();
+        assert!(kkt.lambda.iter().any(|&l| l < 0.0));
+        let system = reduced_system(&kkt);
+        for (reduced, size) in [(None, kkt.rows.len()), (Some(&system), 2 * kkt.rows.interior_count())] {
+            for kind in KINDS {
+                let mut preconditioning = Preconditioning::new(kind, kkt.topology, kkt.rows, reduced).expect("fits");
+                let c = preconditioning.prepare(&kkt).expect("positive definite");
+                let inner = |u: &[f64], v: &[f64]| {
+                    let mut out = vec![f64::NAN; size];
+                    c.apply(v, &mut out);
+                    u.iter().zip(&out).map(|(a, b)| a * b).sum::<f64>()
+                };
+                let u = wave(size);
+                let v: Vec<f64> = wave(size + 1)[1..].to_vec();
+                assert!((inner(&u, &v) - inner(&v, &u)).abs() < 1e-10 * inner(&u, &u).min(inner(&v, &v)));
+                assert!(inner(&u, &u) > 0.0 && inner(&v, &v) > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn the_blocks_of_s_are_inverted_exactly() {
+        let planted = Planted::new(300);
+        let kkt = planted.kkt();
+        let system = reduced_system(&kkt);
+        let s = assemble(&system, &with_2w(&kkt));
+        let mut preconditioning =
+            Preconditioning::new(PreconditionerKind::Block, kkt.topology, kkt.rows, Some(&system)).expect("fits");
+        let c = preconditioning.prepare(&kkt).expect("positive definite");
+        for part in [0, 1] {
+            let only = |v: &mut [f64]| v.iter_mut().skip(1 - part).step_by(2).for_each(|v| *v = 0.0);
+            let mut x = wave(s.size());
+            only(&mut x);
+            let (mut sx, mut back) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+            s.apply(&x, &mut sx);
+            only(&mut sx);
+            c.apply(&sx, &mut back);
+            assert!(apart(&back, &x) < 1e-10);
+        }
+    }
+
+    /// `C⁻¹ M` is the identity on what only the triangle rows hold: `M` and `C` share these columns.
+    #[test]
+    fn the_triangle_rows_of_m_are_eliminated_exactly() {
+        let planted = Planted::new(300);
+        let kkt = with_2w(&planted.kkt());
+        let mut products = ConstraintProducts::whole(kkt.topology, kkt.rows);
+        products.update(&kkt);
+        let m = SchurComplement::new(&products, &kkt);
+        let mut preconditioning =
+            Preconditioning::new(PreconditionerKind::Block, kkt.topology, kkt.rows, None).expect("fits");
+        let c = preconditioning.prepare(&kkt).expect("positive definite");
+        let mut x = wave(m.size());
+        x[kkt.rows.triangle_count()..].fill(0.0);
+        let (mut mx, mut back) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        m.apply(&x, &mut mx);
+        c.apply(&mx, &mut back);
+        assert!(apart(&back, &x) < 1e-12);
+    }
+
+    #[test]
+    fn factors_are_frozen_until_a_solve_takes_too_long() {
+        let planted = Planted::new(100);
+        let kkt = planted.kkt();
+        let mut preconditioning =
+            Preconditioning::new(PreconditionerKind::Block, kkt.topology, kkt.rows, None).expect("fits");
+        for (iterations, factorisations) in [(10, 1), (REFACTOR_AFTER, 1), (REFACTOR_AFTER + 1, 1), (5, 2), (5, 2)] {
+            preconditioning.prepare(&kkt).expect("positive definite");
+            assert_eq!(preconditioning.factorisations(), factorisations);
+            preconditioning.used(iterations);
+        }
+    }
+}

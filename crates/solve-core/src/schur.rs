@@ -215,3 +215,75 @@ pub(crate) fn schur_diagonal(kkt: &KktSystem<'_>) -> Vec<f64> {
     });
     triangles.chain(vertices).chain(wheels).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_support::{Planted, apart, wave};
+    use nalgebra::{DMatrix, DVector};
+
+    fn product(matrix: &DMatrix<f64>, x: &[f64]) -> DVector<f64> {
+        matrix * DVector::from_column_slice(x)
+    }
+
+    #[test]
+    fn products_are_those_of_the_explicit_matrix() {
+        let planted = Planted::new(200);
+        let kkt = planted.kkt();
+        let system = ReducedSystem::new(kkt.topology, kkt.rows).expect("fits");
+        let dense = planted.jacobian();
+        for mut products in [
+            ConstraintProducts::whole(kkt.topology, kkt.rows),
+            ConstraintProducts::reduced(kkt.topology, kkt.rows, &system),
+        ] {
+            products.update(&kkt);
+            let kept: Vec<usize> = products.kept_rows().iter().map(|&row| row as usize).collect();
+            let b = dense.select_rows(&kept);
+            let (x, multipliers) = (wave(b.ncols()), wave(b.nrows()));
+            let (mut down, mut up) = (vec![0.0; b.nrows()], vec![0.0; b.ncols()]);
+            products.multiply(&x, &mut down);
+            products.multiply_transposed(&multipliers, &mut up);
+            assert!(apart(&down, &product(&b, &x)) < 1e-13);
+            assert!(apart(&up, &product(&b.transpose(), &multipliers)) < 1e-13);
+        }
+    }
+
+    #[test]
+    fn the_schur_complement_and_its_diagonal_are_those_of_the_explicit_matrix() {
+        let planted = Planted::new(200);
+        let kkt = planted.kkt();
+        let mut products = ConstraintProducts::whole(kkt.topology, kkt.rows);
+        products.update(&kkt);
+        let m = SchurComplement::new(&products, &kkt);
+        let j = planted.jacobian();
+        let inverse = DMatrix::from_diagonal(&DVector::from_iterator(j.ncols(), kkt.lambda.iter().map(|l| 1.0 / l)));
+        let dense = &j * &inverse * j.transpose();
+        let x = wave(m.size());
+        let mut out = vec![0.0; m.size()];
+        m.apply(&x, &mut out);
+        assert!(apart(&out, &product(&dense, &x)) < 1e-12);
+        assert!(apart(&schur_diagonal(&kkt), &dense.diagonal()) < 1e-12);
+        let expected = DVector::from_column_slice(kkt.residual) - &j * product(&inverse, kkt.gradient);
+        assert!(apart(&m.right_hand_side(), &expected) < 1e-12);
+    }
+
+    #[test]
+    fn products_have_the_same_bits_for_any_number_of_threads() {
+        let planted = Planted::new(12_000);
+        let kkt = planted.kkt();
+        let mut products = ConstraintProducts::whole(kkt.topology, kkt.rows);
+        products.update(&kkt);
+        let m = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| {
+                let m = SchurComplement::new(&products, &kkt);
+                let mut out = vec![0.0; m.size()];
+                m.apply(&wave(m.size()), &mut out);
+                out
+            })
+        };
+        let one = m(1);
+        assert!(one.len() > PARALLEL_ROWS);
+        assert!([2, 3].map(m).iter().all(|out| *out == one));
+    }
+}

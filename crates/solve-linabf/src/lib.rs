@@ -18,11 +18,12 @@
 //! by the square of the error, so one pass is often all there is to do; further passes re-centre:
 //! they take the result, kept inside the angle bounds, as the next estimate (end of §6).
 
-use abf_constraints::{AngleProblem, WheelDerivative, WheelForm, max_residual, residual};
+use abf_constraints::{AngleProblem, RESIDUAL_CLAMP, WheelDerivative, WheelForm, largest, max_residual, residual};
 use abf_solve_core::{
-    AngleSolution, AngleSolver, DirectStep, IterationRecord, KktStep, KktSystem, KktVector, Observer, SolveError,
-    StepError, StopCriteria, Termination, Watch,
+    AngleSolution, AngleSolver, ConjugateStep, DirectStep, IterationRecord, KktStep, KktSystem, KktVector, Observer,
+    SolveError, StepError, StopCriteria, Termination, Watch,
 };
+use std::f64::consts::PI;
 use std::fmt;
 use std::num::NonZeroUsize;
 use std::str::FromStr;
@@ -70,8 +71,14 @@ const PATIENCE: usize = 4;
 /// With [`Passes::Auto`]: a pass improves when it brings the residual below this fraction of the best.
 const IMPROVEMENT: f64 = 0.5;
 
-/// The relative residual every linear solve is refined to.
-const LINEAR_TOLERANCE: f64 = 1e-11;
+/// The relative residual of a pass that is to be the last: as good as a direct solve gets.
+const TIGHTEST: f64 = 1e-11;
+
+/// The relative residual of an early pass: its linearisation is off by more than this.
+const LOOSEST: f64 = 1e-2;
+
+/// A last pass aims this far below the tolerance, because it is judged in another norm.
+const SAFETY: f64 = 0.1;
 
 impl AngleSolver for LinAbf {
     fn name(&self) -> &'static str {
@@ -86,9 +93,10 @@ impl AngleSolver for LinAbf {
     ) -> Result<AngleSolution, SolveError> {
         stop.check()?;
         let mut watch = Watch::start(stop, observer);
-        let mut run = Run::new(problem)?;
+        let mut run = Run::new(problem, self.step(problem)?);
         let termination = loop {
-            match run.pass(&mut watch) {
+            let tolerance = self.inner_tolerance(&run, stop);
+            match run.pass(tolerance, &mut watch) {
                 Ok(()) => {}
                 Err(StepError::Linear(error)) if run.history.is_empty() => return Err(error.into()),
                 // The angles so far are usable; the next estimate was not.
@@ -105,6 +113,30 @@ impl AngleSolver for LinAbf {
 }
 
 impl LinAbf {
+    /// A single pass is one factorisation of `S`. Several passes start close to each other, and each
+    /// needs only the digits that the next one can use: conjugate gradients with the factors of the first.
+    fn step(&self, problem: &AngleProblem<'_>) -> Result<Box<dyn KktStep>, SolveError> {
+        let (topology, rows) = (problem.topology(), problem.rows());
+        Ok(match self.passes {
+            Passes::Auto => Box::new(ConjugateStep::new(topology, rows)?),
+            Passes::Exactly(_) => Box::new(DirectStep::new(topology, rows)?),
+        })
+    }
+
+    /// The relative residual for the next pass. After a pass the constraints are off by the square of
+    /// its correction, so what is left of them before it says how many digits it can use; and when
+    /// fewer are enough to meet the tolerance, fewer are asked for.
+    fn inner_tolerance(&self, run: &Run<'_, '_>, stop: &StopCriteria) -> f64 {
+        match (self.passes, run.history.last()) {
+            (Passes::Exactly(_), _) => TIGHTEST,
+            (Passes::Auto, None) => LOOSEST,
+            (Passes::Auto, Some(last)) => {
+                let residual = last.constraint_residual;
+                residual.max(SAFETY * stop.tolerance / residual).clamp(TIGHTEST, LOOSEST)
+            }
+        }
+    }
+
     /// Whether the passes so far are enough.
     fn verdict(&self, run: &Run<'_, '_>, stop: &StopCriteria) -> Option<Termination> {
         let done = run.history.len();
@@ -127,10 +159,12 @@ impl LinAbf {
 /// The workspace of one solve.
 struct Run<'p, 'a> {
     problem: &'p AngleProblem<'a>,
-    step: DirectStep,
+    step: Box<dyn KktStep>,
     zero_gradient: Vec<f64>,
     /// The result of the last pass; before the first, the estimate.
     angles: Vec<f64>,
+    /// The constraints at `angles`.
+    residual: Vec<f64>,
     /// The result with the smallest residual.
     best: Vec<f64>,
     best_residual: f64,
@@ -139,24 +173,28 @@ struct Run<'p, 'a> {
 }
 
 impl<'p, 'a> Run<'p, 'a> {
-    fn new(problem: &'p AngleProblem<'a>) -> Result<Self, SolveError> {
-        Ok(Self {
+    fn new(problem: &'p AngleProblem<'a>, step: Box<dyn KktStep>) -> Self {
+        Self {
             problem,
-            step: DirectStep::new(problem.topology(), problem.rows())?,
+            step,
             zero_gradient: vec![0.0; problem.topology().corner_count()],
             angles: problem.estimate().to_vec(),
+            residual: residual(WheelForm::Log, problem.topology(), problem.rows(), problem.estimate()),
             best: problem.estimate().to_vec(),
             best_residual: f64::INFINITY,
             passes_without_improvement: 0,
             history: Vec::new(),
-        })
+        }
     }
 
     /// One pass: from the last angles, kept inside the bounds, to the least-norm correction.
-    fn pass(&mut self, watch: &mut Watch<'_>) -> Result<(), StepError> {
+    fn pass(&mut self, tolerance: f64, watch: &mut Watch<'_>) -> Result<(), StepError> {
         let (topology, rows) = (self.problem.topology(), self.problem.rows());
         let mut estimate = self.angles.clone();
         let moved = self.problem.settings().clamp(&mut estimate);
+        if moved > 0 {
+            self.residual = residual(WheelForm::Log, topology, rows, &estimate);
+        }
         let moved_angles = if self.history.is_empty() { self.problem.moved_angles() } else { moved };
 
         let lambda: Vec<f64> = estimate.iter().map(|x| 2.0 / (x * x)).collect();
@@ -168,21 +206,23 @@ impl<'p, 'a> Run<'p, 'a> {
             off_diagonal: None,
             wheel: &WheelDerivative::new(WheelForm::Log, topology, rows, &estimate),
             gradient: &self.zero_gradient,
-            residual: &residual(WheelForm::Log, topology, rows, &estimate),
+            residual: &self.residual,
         };
         let mut out = KktVector::default();
-        let stats = self.step.step(&kkt, LINEAR_TOLERANCE, watch, &mut out)?;
+        let stats = self.step.step(&kkt, tolerance, watch, &mut out)?;
 
         let step = out.delta.iter().fold(0.0, |max: f64, e| max.max(e.abs()));
         estimate.iter_mut().zip(&out.delta).for_each(|(x, e)| *x += e);
         self.angles = estimate;
+        self.residual = residual(WheelForm::Log, topology, rows, &self.angles);
         let record = IterationRecord {
             iteration: self.history.len() + 1,
-            constraint_residual: max_residual(topology, rows, &self.angles),
+            constraint_residual: self.constraint_residual(),
             step,
             inner_iterations: stats.iterations,
             inner_residual: stats.relative_residual,
-            inner_converged: true,
+            inner_estimate: stats.estimate,
+            inner_converged: stats.inner_converged,
             moved_angles,
             step_length: 1.0,
             ..IterationRecord::default()
@@ -191,6 +231,16 @@ impl<'p, 'a> Run<'p, 'a> {
         self.history.push(record);
         watch.iteration(&record);
         Ok(())
+    }
+
+    /// `max |h|`, from the constraints at hand where all angles are inside (0, π).
+    fn constraint_residual(&self) -> f64 {
+        let inside = RESIDUAL_CLAMP..=PI - RESIDUAL_CLAMP;
+        if self.angles.iter().all(|x| inside.contains(x)) {
+            largest(&self.residual)
+        } else {
+            max_residual(self.problem.topology(), self.problem.rows(), &self.angles)
+        }
     }
 
     fn keep_best(&mut self, residual: f64) {

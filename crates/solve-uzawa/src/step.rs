@@ -164,3 +164,90 @@ impl SaddlePoint for Saddle<'_> {
         self.products.multiply_transposed(lambda, out);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abf_constraints::{AngleProblem, EstimateSettings};
+    use abf_shapes::Shape;
+    use abf_solve_core::{DirectStep, InnerTolerance, NewtonSettings, Silent, StopCriteria};
+
+    /// Solves the first step of a sheet with this Λ in place of 2w, and compares with a direct solve.
+    struct Bent<F> {
+        bend: F,
+        tested: UzawaStep,
+        report: Option<StepReport>,
+    }
+
+    impl<F: Fn(&mut [f64])> KktStep for Bent<F> {
+        fn step(
+            &mut self,
+            kkt: &KktSystem<'_>,
+            tolerance: f64,
+            watch: &mut Watch<'_>,
+            out: &mut KktVector,
+        ) -> Result<StepReport, StepError> {
+            let mut lambda = kkt.gauss_newton.to_vec();
+            lambda.chunks_exact_mut(3).step_by(5).for_each(&self.bend);
+            let bent = KktSystem { lambda: &lambda, ..*kkt };
+            let report = self.tested.step(&bent, tolerance, watch, out)?;
+            self.report = Some(report);
+
+            let mut expected = KktVector::default();
+            let solved = if report.fallback.is_some() { *kkt } else { bent };
+            DirectStep::new(kkt.topology, kkt.rows)?.step(&solved, tolerance, watch, &mut expected)?;
+            let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |max, (x, y)| max.max((x - y).abs()));
+            assert!(apart(&out.delta, &expected.delta) < 1e-8);
+            assert!(apart(&out.multipliers, &expected.multipliers) < 1e-6);
+            Ok(report)
+        }
+    }
+
+    fn bent(settings: IterativeSettings, bend: impl Fn(&mut [f64])) -> StepReport {
+        let mesh = Shape::BumpySheet.mesh(300);
+        let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        let tested = UzawaStep::new(&topology, problem.rows(), settings).expect("fits");
+        let mut step = Bent { bend, tested, report: None };
+        let newton = NewtonSettings { inner_tolerance: InnerTolerance::Fixed(1e-12), ..NewtonSettings::default() };
+        let stop = StopCriteria { max_iterations: 1, ..StopCriteria::default() };
+        newton.solve(&problem, &stop, &mut Silent, &mut step).expect("angles");
+        step.report.expect("one step")
+    }
+
+    fn reduced(reduction: Reduction) -> IterativeSettings {
+        IterativeSettings { reduction, ..IterativeSettings::default() }
+    }
+
+    #[test]
+    fn negative_curvature_ends_in_a_step_with_two_w_and_counts_both_tries() {
+        for reduction in [Reduction::None, Reduction::Triangles] {
+            let plain = bent(reduced(reduction), |_| ());
+            assert_eq!(plain.fallback, None);
+            let report = bent(reduced(reduction), |l| l[1] = -l[1]);
+            assert_eq!(report.fallback, Some(Fallback::NegativeCurvature), "{reduction}");
+            assert!(report.iterations >= plain.iterations && report.inner_converged, "{reduction}");
+        }
+    }
+
+    /// `Λ` is positive on the changes that keep the sum of the angles, so `P` and `S` are, though `M`
+    /// is not.
+    #[test]
+    fn a_negative_entry_in_a_convex_triangle_does_no_harm_once_its_row_is_eliminated() {
+        let bend = |l: &mut [f64]| l[1] = -0.2 * l[0].min(l[2]);
+        assert_eq!(bent(reduced(Reduction::Triangles), bend).fallback, None);
+        assert_eq!(bent(reduced(Reduction::None), bend).fallback, Some(Fallback::NegativeCurvature));
+    }
+
+    #[test]
+    fn frozen_factors_serve_the_whole_solve_of_an_easy_mesh() {
+        let mesh = Shape::BumpySheet.mesh(300);
+        let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        let mut step = UzawaStep::new(&topology, problem.rows(), IterativeSettings::default()).expect("fits");
+        let newton = NewtonSettings::default();
+        let solution = newton.solve(&problem, &StopCriteria::default(), &mut Silent, &mut step).expect("angles");
+        assert!(solution.iterations() > 2);
+        assert_eq!(step.factorisations(), 1);
+    }
+}

@@ -1,0 +1,131 @@
+//! The reduced system by conjugate gradients with frozen block factors.
+
+use crate::{KktStep, KktSystem, KktVector, LinearError, ReducedSystem, StepError, StepReport, Watch};
+use abf_constraints::ConstraintRows;
+use abf_linalg::{
+    KrylovEnd, KrylovParams, Preconditioner, Refinement, SingleCholesky, SymbolicCholesky, SymmetricMatrix, cg,
+};
+use abf_mesh::Topology;
+use std::sync::Arc;
+
+/// A solve that needs more iterations than this has outdated factors: they are made anew and it goes on.
+const REFACTOR_AFTER: usize = 60;
+
+/// Solves a step with `Λ > 0` inexactly, for methods that take several steps from nearby angles.
+///
+/// The coupling between vertex and wheel multipliers is weak, so factors of the V–V and W–W blocks of
+/// the *first* `S` precondition every later one. The two have the pattern of a Laplacian: together they
+/// cost about a quarter of a factorisation of `S`, which this step never makes unless conjugate gradients
+/// fail. The factors are kept in single precision.
+pub struct ConjugateStep {
+    system: ReducedSystem,
+    symbolic: Arc<SymbolicCholesky>,
+    matrix: SymmetricMatrix<f64>,
+    rhs: Vec<f64>,
+    blocks: Option<Blocks>,
+}
+
+impl ConjugateStep {
+    /// Orders and analyses the blocks of a topology.
+    ///
+    /// # Errors
+    /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
+    pub fn new(topology: &Topology, rows: &ConstraintRows) -> Result<Self, LinearError> {
+        let system = ReducedSystem::new(topology, rows)?;
+        let symbolic = SymbolicCholesky::analyse(Arc::new(system.vertex_pattern()))?;
+        let matrix = SymmetricMatrix::zeros(Arc::clone(system.pattern()));
+        let rhs = vec![0.0; matrix.size()];
+        Ok(Self { system, symbolic, matrix, rhs, blocks: None })
+    }
+
+    /// Conjugate gradients from `x`; the report says whether the tolerance was met.
+    fn iterate(&mut self, tolerance: f64, watch: &mut Watch<'_>, x: &mut [f64]) -> Result<StepReport, StepError> {
+        if self.blocks.is_none() {
+            self.blocks = Some(Blocks::factorise(&self.symbolic, &self.matrix)?);
+        }
+        let blocks = self.blocks.as_ref().expect("factorised above");
+        let params = KrylovParams { relative_tolerance: tolerance, max_iterations: REFACTOR_AFTER };
+        let stats = cg(&self.matrix, blocks, &self.rhs, x, &params, &mut |i, estimate| watch.inner(i, estimate));
+        match stats.end {
+            KrylovEnd::Interrupted => Err(StepError::Interrupted),
+            end => Ok(StepReport {
+                iterations: stats.iterations,
+                relative_residual: stats.relative_residual,
+                estimate: Some(stats.estimate),
+                inner_converged: end == KrylovEnd::Converged,
+                ..StepReport::default()
+            }),
+        }
+    }
+
+    /// The way out when conjugate gradients fail: one factorisation of `S` itself.
+    fn factorise(&self, x: &mut [f64]) -> Result<StepReport, StepError> {
+        x.copy_from_slice(&self.rhs);
+        let factors = SymbolicCholesky::analyse(Arc::clone(self.system.pattern()))?.factorise(&self.matrix)?;
+        Ok(factors.solve(&self.matrix, x, Refinement::default())?.into())
+    }
+}
+
+impl KktStep for ConjugateStep {
+    fn step(
+        &mut self,
+        kkt: &KktSystem<'_>,
+        tolerance: f64,
+        watch: &mut Watch<'_>,
+        out: &mut KktVector,
+    ) -> Result<StepReport, StepError> {
+        self.system.assemble(kkt, &mut self.matrix, &mut self.rhs);
+        let mut x = vec![0.0; self.rhs.len()];
+        let was_frozen = self.blocks.is_some();
+        let mut report = self.iterate(tolerance, watch, &mut x)?;
+        if !report.inner_converged && was_frozen {
+            self.blocks = None;
+            let tried = report.iterations;
+            report = self.iterate(tolerance, watch, &mut x)?;
+            report.iterations += tried;
+        }
+        if !report.inner_converged {
+            let tried = report.iterations;
+            report = self.factorise(&mut x)?;
+            report.iterations += tried;
+        }
+        self.system.back_substitute(kkt, &x, out);
+        Ok(report)
+    }
+}
+
+/// `diag(S_vv, S_ww)⁻¹`, unknowns in the order of `S`: vertex, wheel, vertex, wheel, …
+struct Blocks {
+    vertex: SingleCholesky,
+    wheel: SingleCholesky,
+}
+
+/// Blocks with fewer unknowns than this are not worth a second thread.
+const PARALLEL_LEN: usize = 1 << 13;
+
+impl Blocks {
+    fn factorise(symbolic: &Arc<SymbolicCholesky>, s: &SymmetricMatrix<f64>) -> Result<Self, LinearError> {
+        let block = |part| Ok(SingleCholesky::of(&symbolic.factorise(&s.every_second(symbolic.pattern(), part))?));
+        let (vertex, wheel) = rayon::join(|| block(0), || block(1));
+        Ok(Self { vertex: vertex?, wheel: wheel? })
+    }
+}
+
+impl Preconditioner for Blocks {
+    fn apply(&self, r: &[f64], out: &mut [f64]) {
+        let solve = |factors: &SingleCholesky, part: usize| {
+            let part: Vec<f64> = r.iter().skip(part).step_by(2).copied().collect();
+            let mut solved = vec![0.0; part.len()];
+            factors.apply(&part, &mut solved);
+            solved
+        };
+        let (vertex, wheel) = if r.len() < PARALLEL_LEN {
+            (solve(&self.vertex, 0), solve(&self.wheel, 1))
+        } else {
+            rayon::join(|| solve(&self.vertex, 0), || solve(&self.wheel, 1))
+        };
+        for ((pair, v), w) in out.chunks_exact_mut(2).zip(vertex).zip(wheel) {
+            pair.copy_from_slice(&[v, w]);
+        }
+    }
+}
