@@ -1,7 +1,8 @@
 //! What to try next when a result is not what was hoped for.
 
+use crate::number::{count, significant};
 use crate::record::{Asked, Outcome, Record, Run};
-use abf::{LayoutKind, Passes, SolverKind, Termination};
+use abf::{Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, Termination};
 
 /// The threshold that the paper recommends (§4.2), rad.
 const USUAL_RING_SWITCH: f64 = 1.0;
@@ -13,14 +14,15 @@ const SUGGESTIONS: usize = 2;
 /// What went wrong in a few words, and options that have not been tried yet; `None` where nothing
 /// went wrong, or where the error says it.
 pub(crate) fn next_to_try(record: &Record) -> Option<String> {
-    let (run, quality) = (record.run.as_ref()?, record.quality.as_ref()?);
+    let (run, quality, solver) = (record.run.as_ref()?, record.quality.as_ref()?, record.solver?);
     if record.outcome() == Outcome::AsAsked {
         return None;
     }
-    let (asked, metrics) = (&run.settings, quality.metrics());
+    let metrics = quality.metrics();
     let mut what = Vec::new();
     if !run.termination.is_as_asked() {
         what.push(ending(run));
+        what.extend(inner_shortfall(run));
     }
     if !quality.valid {
         what.push(format!("{} flipped and {} collapsed triangles", metrics.flips, metrics.collapsed));
@@ -29,53 +31,127 @@ pub(crate) fn next_to_try(record: &Record) -> Option<String> {
         // As asked and valid, but a file could not be written.
         return None;
     }
-    let tries = match run.termination {
-        Termination::TimeLimit => vec!["a longer --time-limit".to_owned()],
-        Termination::MaxIterations if asked.passes == Passes::Auto => {
-            vec![format!("--max-iterations {}", 2 * asked.max_iterations)]
-        }
-        Termination::Cancelled => Vec::new(),
-        ending => untried(run.solver, asked, run.layout, ending),
-    };
+    let mut tries = tries(solver, run);
+    tries.truncate(SUGGESTIONS);
     let what = what.join(", ");
     Some(if tries.is_empty() { what } else { format!("{what}: try {}", tries.join(", or ")) })
 }
 
 /// How the solver ended, in words.
 pub(crate) fn ending(run: &Run) -> String {
-    let passes = match run.iterations {
-        1 => "1 pass".to_owned(),
-        n => format!("{n} passes"),
+    let steps = match run.settings.passes {
+        Some(_) => count(run.iterations, "pass", "passes"),
+        None => count(run.iterations, "iteration", "iterations"),
+    };
+    // The refinement of a direct solve is no iteration anyone asked for, and has no estimate.
+    let steps = match run.inner_estimate {
+        Some(_) => format!("{steps} ({} inner)", run.inner_iterations),
+        None => steps,
     };
     match run.termination {
         Termination::OnePass if run.iterations == 0 => "one linear solve, as asked".to_owned(),
-        Termination::OnePass => "one pass, as asked".to_owned(),
-        Termination::MaxIterations => format!("not converged after {passes}"),
-        Termination::TimeLimit => format!("out of time after {passes}"),
-        other => format!("{other} after {passes}"),
+        Termination::OnePass => format!("{steps}, as asked"),
+        Termination::MaxIterations => format!("not converged after {steps}"),
+        Termination::TimeLimit => format!("out of time after {steps}"),
+        Termination::Stalled => format!("not converged: stalled after {steps}"),
+        other => format!("{other} after {steps}"),
     }
 }
 
+/// Inner solves that broke off.
+fn inner_shortfall(run: &Run) -> Option<String> {
+    let worst = run.inner_residual_worst.filter(|_| run.inner_unconverged > 0)?;
+    let solves = count(run.inner_unconverged, "inner solve", "inner solves");
+    Some(format!("{solves} short of the tolerance (relative residual {} at worst)", significant(worst, 2)))
+}
+
 /// Options that differ from what was asked, the most promising first.
-fn untried(solver: &str, asked: &Asked, used: LayoutKind, termination: Termination) -> Vec<String> {
+fn tries(solver: &str, run: &Run) -> Vec<String> {
+    let asked = &run.settings;
     if solver == SolverKind::Lscm.name() {
         return vec![format!("--solver {}", SolverKind::LinAbf)];
     }
+    let has_inner_settings = asked.max_inner_iterations.is_some();
+    if has_inner_settings && run.inner_unconverged > 0 && !run.termination.is_as_asked() {
+        return stronger_inner_solve(asked);
+    }
+    let makes_exact_passes = asked.passes.is_some_and(|passes| passes != Passes::Auto);
+    match run.termination {
+        Termination::TimeLimit => vec!["a longer --time-limit".to_owned()],
+        Termination::MaxIterations if !makes_exact_passes => {
+            vec![format!("--max-iterations {}", 2 * asked.max_iterations)]
+        }
+        Termination::Cancelled => Vec::new(),
+        ending if asked.passes.is_some() => other_passes(asked, run.layout, ending),
+        ending => other_steps(solver, asked, ending),
+    }
+}
+
+/// For inner solves that broke off.
+fn stronger_inner_solve(asked: &Asked) -> Vec<String> {
     let mut tries = Vec::new();
-    if asked.passes != Passes::Auto {
+    let best = (Some(Reduction::Triangles), Some(PreconditionerKind::Block));
+    if (asked.reduction, asked.preconditioner) != best {
+        tries.push(format!("--reduction {} --preconditioner {}", Reduction::Triangles, PreconditionerKind::Block));
+    }
+    tries
+        .extend(asked.max_inner_iterations.map(|limit| format!("--max-inner-iterations {}", limit.saturating_mul(10))));
+    tries
+}
+
+/// For the solver that makes passes.
+fn other_passes(asked: &Asked, used: LayoutKind, termination: Termination) -> Vec<String> {
+    let mut tries = Vec::new();
+    if asked.passes != Some(Passes::Auto) {
         tries.push("--passes auto".to_owned());
     }
-    match asked.ring_switch {
-        None => tries.insert(0, format!("--ring-switch {USUAL_RING_SWITCH}")),
-        Some(threshold) if threshold > EAGER_RING_SWITCH => tries.push(format!("--ring-switch {EAGER_RING_SWITCH}")),
-        Some(_) => {}
+    match ring_switch(asked) {
+        Some(switch) if asked.ring_switch.is_none() => tries.insert(0, switch),
+        Some(switch) => tries.push(switch),
+        None => {}
     }
     if termination == Termination::Converged {
-        // The angles are right, but their triangles differ in size by more than doubles can hold.
-        tries.push("a longer seam".to_owned());
-    } else if asked.passes == Passes::Auto && (asked.layout != used || used != LayoutKind::LeastSquares) {
+        tries.push(longer_seam());
+    } else if asked.passes == Some(Passes::Auto) && (asked.layout != used || used != LayoutKind::LeastSquares) {
         tries.push(format!("--passes 3 --layout {}", LayoutKind::LeastSquares));
     }
-    tries.truncate(SUGGESTIONS);
     tries
+}
+
+/// For the solvers with a fixed target.
+fn other_steps(solver: &str, asked: &Asked, termination: Termination) -> Vec<String> {
+    if termination == Termination::Converged {
+        return ring_switch(asked).into_iter().chain([longer_seam()]).collect();
+    }
+    let mut tries = Vec::new();
+    if termination == Termination::OnePass {
+        tries.push("more --max-iterations".to_owned());
+    }
+    if asked.line_search == Some(LineSearch::Full) {
+        tries.push(format!("--line-search {}", LineSearch::Merit));
+    }
+    if asked.hessian == Some(Hessian::Exact) {
+        tries.push(format!("--hessian {}", Hessian::GaussNewton));
+    }
+    tries.extend(ring_switch(asked));
+    if solver != SolverKind::AbfFixedTarget.name() {
+        tries.push(format!("--solver {}", SolverKind::AbfFixedTarget));
+    } else {
+        tries.push(format!("--solver {}", SolverKind::LinAbf));
+    }
+    tries
+}
+
+/// Another start of the rings, if there is one.
+fn ring_switch(asked: &Asked) -> Option<String> {
+    match asked.ring_switch {
+        None => Some(format!("--ring-switch {USUAL_RING_SWITCH}")),
+        Some(threshold) if threshold > EAGER_RING_SWITCH => Some(format!("--ring-switch {EAGER_RING_SWITCH}")),
+        Some(_) => None,
+    }
+}
+
+/// The angles are right, but their triangles differ in size by more than doubles can hold.
+fn longer_seam() -> String {
+    "a longer seam".to_owned()
 }

@@ -72,6 +72,23 @@ impl Failure {
         Self::new(("unwritable", hints::unwritable(error)), format!("{target}: cannot be written: {said}"))
     }
 
+    /// A folder or file that is no mesh and cannot be read.
+    pub(crate) fn unreadable(path: &Path, error: &io::Error) -> Self {
+        Self::new(hints::cannot_open(error), format!("{}: cannot be read: {error}", path.display()))
+    }
+
+    /// A folder without meshes.
+    pub(crate) fn no_meshes(folder: &Path) -> Self {
+        let hint = "name a folder with obj, off, ply or stl files in it or below it";
+        Self::new(("no-meshes", hint), format!("{}: there is no mesh below it", folder.display()))
+    }
+
+    /// A file that is not the JSON of a comparison.
+    pub(crate) fn no_baseline(path: &Path, why: &str) -> Self {
+        let hint = "name a file that compare --json has written";
+        Self::new(("no-baseline", hint), format!("{}: no earlier comparison: {why}", path.display()))
+    }
+
     /// A picture that cannot be drawn.
     pub(crate) fn picture(path: &Path, error: &PictureError) -> Self {
         let hint = "leave out --png; the mesh and the figures do not depend on it";

@@ -56,7 +56,8 @@ pub(crate) fn read(error: &ReadError) -> Hint {
     }
 }
 
-fn cannot_open(cause: &io::Error) -> Hint {
+/// For files that cannot be opened.
+pub(crate) fn cannot_open(cause: &io::Error) -> Hint {
     match cause.kind() {
         io::ErrorKind::NotFound => ("not-found", "check the name and the folder"),
         io::ErrorKind::IsADirectory => ("directory", "name the files in it"),

@@ -1,15 +1,33 @@
-//! One file, judged by the UVs it has.
+//! Files, judged by the UVs they have.
 
+use crate::args::MetricsArgs;
 use crate::console;
 use crate::errors::Failure;
 use crate::memory::HeapWatch;
-use crate::record::{Quality, Record, Size, Timings};
+use crate::record::{Outcome, Quality, Record, Size, Stages, Timings, to_json};
+use crate::settings::JsonTarget;
+use crate::show::show;
+use crate::table;
 use abf_mesh::{Topology, io};
 use std::path::Path;
 use std::time::Instant;
 
+/// Judges every file asked for.
+pub(crate) fn judge_all(args: &MetricsArgs) -> Outcome {
+    let records: Vec<Record> = args.files.iter().map(|file| judge(file)).collect();
+    let json = JsonTarget::new(args.json.clone());
+    let worst = records.iter().map(Record::outcome).max().unwrap_or(Outcome::AsAsked);
+    match show(&table::of_meshes(&records), || to_json(&records), json.as_ref()) {
+        Ok(()) => worst,
+        Err(failure) => {
+            console::failure(&failure);
+            Outcome::Failed
+        }
+    }
+}
+
 /// Reads and judges one file. Whatever goes wrong is in the record and on stderr.
-pub(crate) fn judge(path: &Path) -> Record {
+fn judge(path: &Path) -> Record {
     let mut record = Record { mesh: path.display().to_string(), ..Record::default() };
     if let Err(failure) = fill(path, &mut record) {
         console::failure(&failure);
@@ -35,7 +53,8 @@ fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
     let metrics = abf_metrics::measure(&file.mesh, &uv);
     record.quality = Some(Quality::new(metrics.map_err(|error| Failure::metrics(&record.mesh, &error))?));
     let total = begin.elapsed().as_secs_f64();
-    let timings = Timings { read, topology: built - read, metrics: total - built, total, ..Timings::default() };
+    let stages = Stages { topology: built - read, ..Stages::default() };
+    let timings = Timings { read, stages, metrics: total - built, total, ..Timings::default() };
     record.timings_s = Some(timings);
     record.peak_memory_bytes = Some(heap.peak_bytes());
     Ok(())

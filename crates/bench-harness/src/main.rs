@@ -1,82 +1,69 @@
 //! Flatten triangle meshes from the command line, compare the results and judge any UVs.
 //!
-//! What was typed ([`args`]) becomes what was meant ([`settings`]); every mesh becomes one
-//! [`record::Record`] ([`run`], [`judge`]); and the records are shown as a [`table`] and as JSON.
-//! Only this crate prints and reads the clock.
+//! What was typed ([`args`]) becomes what was meant ([`settings`], [`methods`]); every mesh and solver
+//! becomes one [`record::Record`] ([`run`], [`judge`]); and the records are shown as a [`table`] and as
+//! JSON, mesh by mesh ([`flatten`]) or repeated and written to files ([`compare`]). Only this crate
+//! prints and reads the clock.
 
 mod advice;
 mod args;
 mod cancel;
+mod compare;
 mod console;
 mod errors;
 mod files;
 mod fixtures;
+mod flatten;
 mod hints;
+mod history;
 mod judge;
+mod load;
 mod memory;
+mod methods;
 mod number;
 mod progress;
 mod record;
 mod run;
 mod settings;
+mod show;
 mod source;
 mod table;
 
 use args::{Args, Command};
-use cancel::Cancel;
 use clap::Parser;
-use record::{Outcome, Record};
-use settings::{JsonTarget, Settings};
+use compare::Comparison;
+use errors::Failure;
+use record::Outcome;
+use settings::Settings;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let args = Args::parse();
-    let outcome = match args.command {
-        None => match Settings::new(args.flatten) {
-            Ok(settings) => flatten(&settings),
-            // Says what is wrong with the usage and leaves with code 2.
-            Err(error) => error.exit(),
-        },
-        Some(Command::Metrics(args)) => {
-            let records: Vec<Record> = args.files.iter().map(|file| judge::judge(file)).collect();
-            show(&records, JsonTarget::new(args.json).as_ref())
-        }
-        Some(Command::Fixtures(args)) => fixtures::write(args),
-    };
-    ExitCode::from(outcome.exit_code())
+    ExitCode::from(run_command().exit_code())
 }
 
-/// Flattens every mesh asked for.
-fn flatten(settings: &Settings) -> Outcome {
-    if let Err(failure) = settings.start_threads() {
+/// Does what was asked for.
+fn run_command() -> Outcome {
+    let args = Args::parse();
+    // First of all: to check settings is parallel work already.
+    if let Err(failure) = start_threads(args.threads()) {
         console::failure(&failure);
         return Outcome::Failed;
     }
-    let cancel = Cancel::on_ctrl_c();
-    let records: Vec<Record> = settings.sources.iter().map(|source| run::run(source, settings, &cancel)).collect();
-    show(&records, settings.json.as_ref())
+    // A usage error says what is wrong and leaves with code 2.
+    match args.command {
+        None => flatten::flatten(&Settings::new(args.flatten).unwrap_or_else(|error| error.exit())),
+        Some(Command::Compare(args)) => compare::compare(&Comparison::new(*args).unwrap_or_else(|error| error.exit())),
+        Some(Command::Metrics(args)) => judge::judge_all(&args),
+        Some(Command::Fixtures(args)) => fixtures::write(args),
+    }
 }
 
-/// Shows the records as a table and, if asked for, as JSON; the outcome is the worst of all.
-fn show(records: &[Record], json: Option<&JsonTarget>) -> Outcome {
-    let table = table::table(records);
-    let shown = match json {
-        None => console::data(&table),
-        Some(JsonTarget::Stdout) => {
-            console::words(&table);
-            console::data(&record::to_json(records))
-        }
-        Some(JsonTarget::File(path)) => {
-            let printed = console::data(&table);
-            files::replace(path, record::to_json(records).as_bytes()).and(printed)
-        }
-    };
-    let worst = records.iter().map(Record::outcome).max().unwrap_or(Outcome::AsAsked);
-    match shown {
-        Ok(()) => worst,
-        Err(failure) => {
-            console::failure(&failure);
-            Outcome::Failed
-        }
-    }
+/// Starts the threads that all parallel work uses; without a number that is one per core.
+///
+/// # Errors
+/// When the system has no room for that many.
+fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let Some(threads) = threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+    pool.build_global().map_err(|error| Failure::threads(threads, &error))
 }

@@ -12,7 +12,7 @@ use std::sync::Once;
 static HEAP: PeakAlloc = PeakAlloc;
 
 /// A watch on the heap from one moment on.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct HeapWatch {
     before: usize,
 }
@@ -21,9 +21,25 @@ impl HeapWatch {
     /// Starts watching. There is one peak for the whole program: only one watch at a time.
     pub(crate) fn start() -> Self {
         static WARM_UP: Once = Once::new();
-        WARM_UP.call_once(warm_up);
+        WARM_UP.call_once(|| {
+            warm_up();
+            // Scratch belongs to a thread, and parallel work may be the first that a thread does.
+            rayon::broadcast(|_| warm_up());
+        });
         HEAP.reset_peak_usage();
         Self { before: HEAP.current_usage() }
+    }
+
+    /// Starts watching work on something that is there already and takes `kept` bytes, which count;
+    /// whatever else is in use does not.
+    pub(crate) fn start_with(kept: usize) -> Self {
+        let Self { before } = Self::start();
+        Self { before: before.saturating_sub(kept) }
+    }
+
+    /// The bytes in use now, without those in use before.
+    pub(crate) fn bytes(&self) -> usize {
+        HEAP.current_usage().saturating_sub(self.before)
     }
 
     /// The most bytes in use at any moment since the start, without those in use before.

@@ -1,6 +1,9 @@
-//! Progress on the terminal, the clock of every stage, and the ear for Ctrl-C.
+//! Progress on the terminal, the clock of every stage, the curves of inner solves, and the ear for
+//! Ctrl-C.
 
 use crate::cancel::Cancel;
+use crate::history::Curves;
+use crate::record::Stages;
 use abf::{Event, Observer, Stage, Verdict};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};
@@ -21,13 +24,25 @@ pub(crate) struct Progress<'a> {
     starts: Vec<(Stage, Instant)>,
     /// When the last stage ended.
     end: Option<Instant>,
+    /// The inner curves, if they are wanted.
+    curves: Option<Curves>,
 }
 
 impl<'a> Progress<'a> {
-    /// Starts watching the mesh of that name.
-    pub(crate) fn new(mesh: &str, cancel: &'a Cancel) -> Self {
-        let line = io::stderr().is_terminal().then(|| Line::new(mesh));
-        Self { cancel, line, starts: Vec::new(), end: None }
+    /// Starts watching work of that name.
+    pub(crate) fn new(name: &str, cancel: &'a Cancel) -> Self {
+        let line = io::stderr().is_terminal().then(|| Line::new(name));
+        Self { cancel, line, starts: Vec::new(), end: None, curves: None }
+    }
+
+    /// Collects the curves of inner solves, if `wanted`.
+    pub(crate) fn with_curves(self, wanted: bool) -> Self {
+        Self { curves: wanted.then(Curves::default), ..self }
+    }
+
+    /// One curve for every outer iteration; none if they were not wanted.
+    pub(crate) fn take_curves(&mut self) -> Vec<Vec<f64>> {
+        self.curves.take().map(Curves::into_done).unwrap_or_default()
     }
 
     /// Says what is being done outside the stages that the library reports.
@@ -42,8 +57,14 @@ impl<'a> Progress<'a> {
         self.end = Some(Instant::now());
     }
 
+    /// How long the stages took.
+    pub(crate) fn stages(&self) -> Stages {
+        let [topology, solve, layout] = [Stage::Topology, Stage::Solve, Stage::Layout].map(|s| self.seconds(s));
+        Stages { topology, solve, layout, flatten: topology + solve + layout }
+    }
+
     /// How long a stage took, in seconds; 0 if there was none.
-    pub(crate) fn seconds(&self, stage: Stage) -> f64 {
+    fn seconds(&self, stage: Stage) -> f64 {
         let Some(k) = self.starts.iter().position(|&(s, _)| s == stage) else { return 0.0 };
         let end = self.starts.get(k + 1).map(|&(_, start)| start).or(self.end).unwrap_or_else(Instant::now);
         end.duration_since(self.starts[k].1).as_secs_f64()
@@ -61,7 +82,15 @@ impl Observer for Progress<'_> {
                     _ => "layout",
                 });
             }
+            Event::Inner { relative_residual, .. } => {
+                if let Some(curves) = &mut self.curves {
+                    curves.inner(relative_residual);
+                }
+            }
             Event::Iteration(record) => {
+                if let Some(curves) = &mut self.curves {
+                    curves.outer();
+                }
                 self.say(format!("solving: {} done, residual {:.1e}", record.iteration, record.constraint_residual));
             }
             _ => {}
@@ -78,11 +107,11 @@ struct Line {
 }
 
 impl Line {
-    fn new(mesh: &str) -> Self {
+    fn new(name: &str) -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         let style = ProgressStyle::with_template("{spinner} {prefix}: {msg} ({elapsed})");
         bar.set_style(style.expect("a template without unknown keys"));
-        bar.set_prefix(mesh.to_owned());
+        bar.set_prefix(name.to_owned());
         bar.set_message("reading");
         let (end, ended) = mpsc::channel::<()>();
         let shown = bar.clone();
@@ -117,9 +146,24 @@ mod tests {
         progress.end_stages();
         thread::sleep(Duration::from_millis(5));
         let whole = progress.end.expect("ended").duration_since(progress.starts[0].1).as_secs_f64();
-        let sum = progress.seconds(Stage::Topology) + progress.seconds(Stage::Solve);
-        assert!((whole - sum).abs() < 1e-9);
-        assert!(progress.seconds(Stage::Solve) >= 0.005);
-        assert_eq!(progress.seconds(Stage::Layout), 0.0);
+        let stages = progress.stages();
+        assert!((whole - stages.flatten).abs() < 1e-9);
+        assert!(stages.solve >= 0.005);
+        assert_eq!(stages.layout, 0.0);
+    }
+
+    #[test]
+    fn inner_curves_are_cut_at_outer_iterations() {
+        let cancel = Cancel::default();
+        let mut progress = Progress::new("a mesh", &cancel).with_curves(true);
+        let record = abf::IterationRecord::default();
+        for estimates in [&[0.5, 0.1][..], &[f64::NAN], &[0.2]] {
+            for &relative_residual in estimates {
+                progress.observe(Event::Inner { iteration: 1, inner: 1, relative_residual });
+            }
+            progress.observe(Event::Iteration(&record));
+        }
+        assert_eq!(progress.take_curves(), [vec![0.5, 0.1], vec![], vec![0.2]]);
+        assert!(progress.take_curves().is_empty());
     }
 }

@@ -1,97 +1,126 @@
-//! One mesh, flattened: from the file to the record.
+//! One mesh, flattened by one solver and judged.
 
+use crate::advice;
 use crate::cancel::Cancel;
-use crate::console;
 use crate::errors::Failure;
-use crate::memory::HeapWatch;
+use crate::history::History;
+use crate::load::Loaded;
+use crate::methods::{Method, finds_angles};
 use crate::progress::Progress;
-use crate::record::{Quality, Record, Run, Size, Timings};
-use crate::settings::Settings;
-use crate::source::Source;
-use crate::{advice, files};
-use abf::{FlattenError, Stage};
-use abf_mesh::{Topology, TriMesh, UvMap, io};
-use abf_report::{PictureStyle, picture};
-use std::path::Path;
+use crate::record::{Quality, Record, Run, Size, Stages, Timings};
+use abf::{AngleSolution, FlattenError, Flattening, Termination};
+use abf_mesh::{Topology, TriMesh, UvMap};
 use std::time::Instant;
 
-/// Reads, flattens, judges and writes one mesh. Whatever goes wrong is in the record and on stderr.
-pub(crate) fn run(source: &Source, settings: &Settings, cancel: &Cancel) -> Record {
-    let mut record = Record { mesh: source.name(), ..Record::default() };
-    let result = if cancel.is_asked() {
-        Err(Failure::cancelled(&record.mesh))
-    } else {
-        flatten(source, settings, cancel, &mut record)
-    };
-    if let Err(failure) = result {
-        console::failure(&failure);
-        record.error = Some(failure);
-    }
-    record.hint = advice::next_to_try(&record);
-    if let Some(hint) = &record.hint {
-        console::hint(&record.mesh, hint);
-    }
-    record
+/// A result with what is not in its record.
+#[derive(Debug)]
+pub(crate) struct Flattened {
+    /// What is known about it.
+    pub(crate) record: Record,
+    /// The UVs, if there are any.
+    pub(crate) uv: Option<UvMap>,
+    /// Every iteration, if there was a solver.
+    pub(crate) history: Option<History>,
+    /// Whether no other solver can do better, because the mesh itself cannot be flattened.
+    pub(crate) mesh_is_unusable: bool,
 }
 
-/// Fills the record as far as it gets.
-fn flatten(source: &Source, settings: &Settings, cancel: &Cancel, record: &mut Record) -> Result<(), Failure> {
-    let heap = HeapWatch::start();
-    let mut progress = Progress::new(&record.mesh, cancel);
-    let mut timings = Timings::default();
-    let begin = Instant::now();
-
-    let file = timed(&mut timings.read, || source.read())?;
-    for note in file.notes.sentences() {
-        console::note(&record.mesh, &note);
-        record.notes.push(note);
+impl From<Record> for Flattened {
+    fn from(record: Record) -> Self {
+        Self { record, uv: None, history: None, mesh_is_unusable: false }
     }
-    let (mesh, fanned) = (file.mesh, file.notes.polygons_fanned > 0);
-    record.size = Some(Size::of(&mesh, None));
+}
 
-    let flat = settings.pipeline.run(&mesh, &mut progress).map_err(|error| {
-        record.size = Some(size_of_refused(&mesh, &error));
-        Failure::flatten(&record.mesh, &error, fanned)
-    })?;
+/// The bits that runs of the same settings have in common.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Fingerprint {
+    uv: UvMap,
+    termination: Termination,
+}
+
+/// Flattens and judges a mesh. Whatever goes wrong is in the record. `with_curves` says whether inner
+/// iterations are collected.
+pub(crate) fn flatten(loaded: &Loaded, method: &Method, with_curves: bool, cancel: &Cancel) -> Flattened {
+    let solver = method.pipeline.solver.name();
+    let mut record = Record { solver: Some(solver), ..loaded.record() };
+    if let Some(not_run) = method.not_run(&loaded.mesh) {
+        return Record { not_run: Some(not_run), ..record }.into();
+    }
+    if cancel.is_asked() {
+        return Record { error: Some(Failure::cancelled(&loaded.name)), ..record }.into();
+    }
+    let heap = loaded.watch_memory();
+    let begin = Instant::now();
+    let mut progress = watch(loaded, method, cancel).with_curves(with_curves);
+    let flat = match method.pipeline.run(&loaded.mesh, &mut progress) {
+        Ok(flat) => flat,
+        Err(error) => return refused(loaded, record, &error),
+    };
     progress.end_stages();
-    timings.topology = progress.seconds(Stage::Topology);
-    timings.solve = progress.seconds(Stage::Solve);
-    timings.layout = progress.seconds(Stage::Layout);
     // What was flattened is a disk.
     let (interior_vertices, boundary_loops) = (Some(flat.interior_vertices), Some(1));
-    record.size = Some(Size { interior_vertices, boundary_loops, ..Size::of(&mesh, None) });
-    record.run = Some(Run::new(&settings.pipeline, &flat));
+    record.size = Some(Size { interior_vertices, boundary_loops, ..Size::of(&loaded.mesh, None) });
+    record.run = Some(Run::new(&method.pipeline, &flat));
 
-    // Both formats hold doubles exactly, so these are the UVs as written.
     progress.say("metrics");
-    let metrics = timed(&mut timings.metrics, || flat.metrics(&mesh));
-    record.quality = Some(Quality::new(metrics.map_err(|error| Failure::metrics(&record.mesh, &error))?));
-
-    progress.say("writing");
-    let written = match &settings.output {
-        Some(path) => timed(&mut timings.write, || write(path, &mesh, &flat.uv)),
-        None => Ok(()),
-    };
-    timings.total = begin.elapsed().as_secs_f64();
-    record.timings_s = Some(timings);
-    record.peak_memory_bytes = Some(heap.peak_bytes());
-    // One file that cannot be written does not keep the other from being tried.
-    let drawn = draw(settings.png.as_deref(), &mesh, &flat.uv);
-    for (path, result) in [(&settings.output, &written), (&settings.png, &drawn)] {
-        record.written.extend(path.as_ref().filter(|_| result.is_ok()).map(|path| path.display().to_string()));
+    let judging = Instant::now();
+    // Both formats hold doubles exactly, so these are the UVs as written.
+    match flat.metrics(&loaded.mesh) {
+        Ok(metrics) => record.quality = Some(Quality::new(metrics)),
+        Err(error) => record.error = Some(Failure::metrics(&loaded.name, &error)),
     }
-    if let (Err(_), Err(failure)) = (&written, &drawn) {
-        console::failure(failure);
-    }
-    written.and(drawn)
+    let metrics = judging.elapsed().as_secs_f64();
+    let total = loaded.read_s + begin.elapsed().as_secs_f64();
+    record.timings_s = Some(Timings { read: loaded.read_s, stages: progress.stages(), metrics, write: 0.0, total });
+    record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
+    record.kkt = loaded.kkt().filter(|_| finds_angles(method.pipeline.solver));
+    record.hint = advice::next_to_try(&record);
+    let iterations = flat.solution.as_ref().map_or(&[][..], AngleSolution::history);
+    let history = History::new(&loaded.name, solver, iterations, progress.take_curves());
+    Flattened { record, uv: Some(flat.uv), history: Some(history), mesh_is_unusable: false }
 }
 
-/// Does something and adds the seconds it took.
-fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
-    let begin = Instant::now();
-    let done = work();
-    *seconds += begin.elapsed().as_secs_f64();
-    done
+/// Flattens a mesh that has been flattened before, for the time it takes.
+///
+/// # Errors
+/// That there is no result.
+pub(crate) fn flatten_again(
+    loaded: &Loaded,
+    method: &Method,
+    cancel: &Cancel,
+) -> Result<(Fingerprint, Stages), Failure> {
+    let mut progress = watch(loaded, method, cancel);
+    let flat = method.pipeline.run(&loaded.mesh, &mut progress);
+    progress.end_stages();
+    match flat {
+        Ok(Flattening { uv, termination, .. }) => Ok((Fingerprint { uv, termination }, progress.stages())),
+        Err(error) => Err(Failure::flatten(&loaded.name, &error, loaded.fanned)),
+    }
+}
+
+impl Flattened {
+    /// What another run should have in common with this one; `None` where there are no UVs.
+    pub(crate) fn is_the_same_as(&self, other: &Fingerprint) -> bool {
+        let ended = self.record.run.as_ref().map(|run| run.termination);
+        self.uv.as_ref() == Some(&other.uv) && ended == Some(other.termination)
+    }
+}
+
+fn watch<'a>(loaded: &Loaded, method: &Method, cancel: &'a Cancel) -> Progress<'a> {
+    Progress::new(&format!("{}, {}", loaded.name, method.pipeline.solver), cancel)
+}
+
+/// The record of a mesh that was not flattened.
+fn refused(loaded: &Loaded, record: Record, error: &FlattenError) -> Flattened {
+    let mesh_is_unusable = matches!(
+        error,
+        FlattenError::Geometry(_) | FlattenError::Topology(_) | FlattenError::NotADisk(_) | FlattenError::Problem(_)
+    );
+    let failure = Failure::flatten(&loaded.name, error, loaded.fanned);
+    let size = Some(size_of_refused(&loaded.mesh, error));
+    let solver = record.solver.filter(|_| !mesh_is_unusable);
+    let record = Record { size, solver, error: Some(failure), ..record };
+    Flattened { mesh_is_unusable, ..record.into() }
 }
 
 /// The size of a mesh that could not be flattened, with its topology if that was not the reason.
@@ -101,14 +130,4 @@ fn size_of_refused(mesh: &TriMesh, error: &FlattenError) -> Size {
         _ => Topology::build(mesh.vertex_count(), mesh.faces()).ok(),
     };
     Size::of(mesh, topology.as_ref())
-}
-
-fn write(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {
-    io::write(path, mesh, Some(uv)).map_err(|error| Failure::write(path, &error))
-}
-
-fn draw(path: Option<&Path>, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {
-    let Some(path) = path else { return Ok(()) };
-    let png = picture(mesh, uv, &PictureStyle::default()).map_err(|error| Failure::picture(path, &error))?;
-    files::replace(path, &png)
 }

@@ -1,31 +1,27 @@
-//! What was meant: the arguments, checked before any file is read.
+//! What was meant by flattening: the arguments, checked before any file is read.
 
-use crate::args::{Args, FlattenArgs};
-use crate::errors::Failure;
+use crate::args::FlattenArgs;
+use crate::methods::{Method, methods, usage};
 use crate::source::Source;
-use abf::mesh::{Point3, TriMesh};
-use abf::{EstimateSettings, LayoutSettings, Pipeline, StopCriteria};
 use abf_mesh::io::MeshFormat;
-use clap::CommandFactory;
 use clap::error::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// Everything a run needs to know.
 #[derive(Debug)]
 pub(crate) struct Settings {
     /// The meshes; at least one.
     pub(crate) sources: Vec<Source>,
-    /// How to flatten.
-    pub(crate) pipeline: Pipeline,
-    /// How many threads; `None` for one per core.
-    threads: Option<u16>,
+    /// How to flatten each; at least one.
+    pub(crate) methods: Vec<Method>,
     /// Where the mesh goes.
     pub(crate) output: Option<PathBuf>,
     /// Where the picture goes.
     pub(crate) png: Option<PathBuf>,
     /// Where the JSON goes.
     pub(crate) json: Option<JsonTarget>,
+    /// Where every iteration goes.
+    pub(crate) history: Option<PathBuf>,
 }
 
 /// Where JSON goes.
@@ -42,97 +38,84 @@ impl JsonTarget {
     pub(crate) fn new(argument: Option<PathBuf>) -> Option<Self> {
         argument.map(|path| if path.as_os_str() == "-" { Self::Stdout } else { Self::File(path) })
     }
+
+    /// The file, if it is one.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Stdout => None,
+            Self::File(path) => Some(path),
+        }
+    }
 }
 
 impl Settings {
     /// Checks the arguments.
     ///
     /// # Errors
-    /// A usage error: a setting out of range, outputs that fit no single mesh, an output that
+    /// A usage error: a setting out of range, outputs that fit no single result, an output that
     /// would replace an input.
     pub(crate) fn new(args: FlattenArgs) -> Result<Self, clap::Error> {
-        let pipeline = pipeline(&args)?;
+        let methods = methods(&args.solver, &args.method)?;
         let sources = match args.meshes.as_slice() {
             [] => vec![Source::Builtin],
             meshes => meshes.iter().cloned().map(Source::File).collect(),
         };
-        let (output, png, json) = (args.output, args.png, JsonTarget::new(args.json));
-        let json_file = if let Some(JsonTarget::File(path)) = &json { Some(path.as_path()) } else { None };
-        let targets = [("--output", output.as_deref()), ("--png", png.as_deref()), ("--json", json_file)];
-        check_targets(&targets, &args.meshes)?;
-        Ok(Self { sources, pipeline, threads: args.threads, output, png, json })
+        let (output, png, history, json) = (args.output, args.png, args.history, JsonTarget::new(args.json));
+        for (option, path) in [("--output", &output), ("--png", &png)] {
+            if let Some(path) = path {
+                check_is_for_one(option, path, sources.len(), methods.len())?;
+            }
+        }
+        if let Some(path) = &output {
+            check_extension("--output", path)?;
+        }
+        let targets = [
+            ("--output", output.as_deref()),
+            ("--png", png.as_deref()),
+            ("--json", json.as_ref().and_then(JsonTarget::file)),
+            ("--history", history.as_deref()),
+        ];
+        check_distinct(&targets, &args.meshes)?;
+        Ok(Self { sources, methods, output, png, json, history })
     }
 
-    /// Starts the threads that all parallel work uses.
-    ///
-    /// # Errors
-    /// When the system has no room for that many.
-    pub(crate) fn start_threads(&self) -> Result<(), Failure> {
-        let Some(threads) = self.threads else { return Ok(()) };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-        pool.build_global().map_err(|error| Failure::threads(threads, &error))
+    /// Whether several solvers are to be compared.
+    pub(crate) fn is_comparison(&self) -> bool {
+        self.methods.len() > 1
     }
 }
 
-fn usage(kind: ErrorKind, message: impl std::fmt::Display) -> clap::Error {
-    Args::command().error(kind, message)
-}
-
-fn pipeline(args: &FlattenArgs) -> Result<Pipeline, clap::Error> {
-    let (estimate, stop) = (EstimateSettings::default(), StopCriteria::default());
-    let time_limit = args.time_limit.map(seconds).transpose()?;
-    let pipeline = Pipeline {
-        solver: args.solver,
-        passes: args.passes,
-        estimate: EstimateSettings {
-            ring_switch: args.ring_switch.0,
-            angle_bound: args.angle_bound.unwrap_or(estimate.angle_bound),
-        },
-        stop: StopCriteria {
-            tolerance: args.tolerance.unwrap_or(stop.tolerance),
-            max_iterations: args.max_iterations.unwrap_or(stop.max_iterations),
-            time_limit,
-            ..stop
-        },
-        layout: LayoutSettings { kind: args.layout, ..LayoutSettings::default() },
-        normalize: args.normalize,
+/// Checks that a file that holds one result gets one.
+fn check_is_for_one(option: &str, path: &Path, meshes: usize, solvers: usize) -> Result<(), clap::Error> {
+    let shown = path.display();
+    let message = if meshes > 1 {
+        format!("{option} {shown} takes one mesh, and there are {meshes}")
+    } else if solvers > 1 {
+        format!("{option} {shown} takes one solver, and there are {solvers}: run it again with the one you choose")
+    } else {
+        return Ok(());
     };
-    check_pipeline(&pipeline).map_err(|message| usage(ErrorKind::ValueValidation, message))?;
-    Ok(pipeline)
+    Err(usage(ErrorKind::TooManyValues, message))
 }
 
-fn seconds(limit: f64) -> Result<Duration, clap::Error> {
-    let message = || format!("--time-limit must be a number of seconds, at least 0, got {limit}");
-    Duration::try_from_secs_f64(limit).map_err(|_| usage(ErrorKind::ValueValidation, message()))
-}
-
-/// Asks the library whether it takes these settings, on a mesh of one triangle: its rules are not
-/// repeated here, and no file is read in vain.
-fn check_pipeline(pipeline: &Pipeline) -> Result<(), String> {
-    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from).to_vec();
-    let triangle = TriMesh::new(points, &[[0, 1, 2]]).expect("indices in range");
-    pipeline.stop.check().map_err(|error| error.to_string())?;
-    match pipeline.run(&triangle, &mut abf::Silent) {
-        Ok(_) => Ok(()),
-        Err(error) => Err(crate::errors::chain(&error)),
+fn check_extension(option: &str, path: &Path) -> Result<(), clap::Error> {
+    if matches!(MeshFormat::from_path(path), Some(MeshFormat::Obj | MeshFormat::Ply)) {
+        return Ok(());
     }
+    let message = format!("{option} {}: the name must end in .obj or .ply", path.display());
+    Err(usage(ErrorKind::ValueValidation, message))
 }
 
-/// Checks the files that are to be written.
-fn check_targets(targets: &[(&str, Option<&Path>)], meshes: &[PathBuf]) -> Result<(), clap::Error> {
+/// Checks that no file that is to be written is another one, or one that is read.
+///
+/// # Errors
+/// A usage error that names both.
+pub(crate) fn check_distinct(targets: &[(&str, Option<&Path>)], inputs: &[PathBuf]) -> Result<(), clap::Error> {
     let named = || targets.iter().filter_map(|&(option, path)| Some((option, path?)));
     for (option, path) in named() {
         let shown = path.display();
-        if option != "--json" && meshes.len() > 1 {
-            let message = format!("{option} {shown} takes one mesh, and there are {}", meshes.len());
-            return Err(usage(ErrorKind::TooManyValues, message));
-        }
-        if option == "--output" && !matches!(MeshFormat::from_path(path), Some(MeshFormat::Obj | MeshFormat::Ply)) {
-            let message = format!("{option} {shown}: the name must end in .obj or .ply");
-            return Err(usage(ErrorKind::ValueValidation, message));
-        }
-        if meshes.iter().any(|mesh| same_file(mesh, path)) {
-            let message = format!("{option} {shown} would replace the mesh that is read: choose another name");
+        if inputs.iter().any(|input| same_file(input, path)) {
+            let message = format!("{option} {shown} would replace the file that is read: choose another name");
             return Err(usage(ErrorKind::ArgumentConflict, message));
         }
         if let Some((other, _)) = named().find(|&(other, p)| other != option && same_file(p, path)) {

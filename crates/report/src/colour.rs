@@ -12,6 +12,11 @@ impl Colour {
         Self(bytes.map(|byte| decode(f32::from(byte) / 255.0)))
     }
 
+    /// The colour of this linear light.
+    pub(crate) fn from_linear(light: [f64; 3]) -> Self {
+        Self(light.map(|x| x as f32))
+    }
+
     /// The nearest sRGB bytes.
     pub(crate) fn to_srgb(self) -> [u8; 3] {
         self.0.map(|x| (255.0 * encode(x.clamp(0.0, 1.0))).round() as u8)

@@ -54,6 +54,18 @@ pub enum PictureError {
         /// The largest width allowed, pixels.
         max: u32,
     },
+    /// A length of an SVG layout outside its range.
+    #[error("{setting} must be {allowed} and at most {max:e} mm, got {value}")]
+    Length {
+        /// The field of the style, or what follows from it.
+        setting: &'static str,
+        /// What it must be besides.
+        allowed: &'static str,
+        /// Its value.
+        value: f64,
+        /// The largest value allowed, millimetres.
+        max: f64,
+    },
     /// A view direction that is zero, not finite, or parallel to its up vector.
     #[error(
         "the view direction {towards_viewer:?} with up vector {up:?} spans no plane: both must be finite, not zero and not parallel"

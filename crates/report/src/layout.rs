@@ -3,10 +3,10 @@
 use abf_mesh::{CornerId, Point3, UvMap, Vector2};
 use tiny_skia::{LineCap, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
-use crate::checker::Checker;
 use crate::panel::{Fit, Panel, bounds};
-use crate::picture::Palette;
 use crate::raster::Visibility;
+use crate::scene::Palette;
+use crate::skin::Skin;
 
 /// Flipped triangles lie above the others.
 const FLIPPED: f64 = 1.0;
@@ -19,7 +19,7 @@ const EDGES_PER_PATH: usize = 512;
 #[derive(Clone, Copy)]
 pub(crate) struct Layout<'a> {
     pub(crate) uv: &'a UvMap,
-    pub(crate) checker: &'a Checker,
+    pub(crate) skin: &'a Skin<'a>,
     /// For every face whether the layout has it upside down.
     pub(crate) flipped: &'a [bool],
     /// The edges at which the layout ends.
@@ -33,7 +33,7 @@ impl Layout<'_> {
         let seen = self.visibility(panel, &fit);
         let footprint = Vector2::from_element(1.0 / fit.scale);
         panel.resolve(canvas, palette.background, &seen, |face, at| {
-            if self.flipped[face as usize] { palette.flipped } else { self.checker.colour(fit.invert(at), footprint) }
+            if self.flipped[face as usize] { palette.flipped } else { self.skin.front(face, fit.invert(at), footprint) }
         });
         self.stroke_outline(canvas, panel, &fit, palette, line_width);
     }

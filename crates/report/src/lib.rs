@@ -1,14 +1,19 @@
-//! Pictures of a flattened mesh: the checkered surface next to its layout.
+//! What people look at: pictures of a flattened mesh, layouts for machines, and pages about runs.
 //!
-//! [`picture()`] takes a mesh and its UVs and returns a PNG. On the left is the surface, textured
-//! with a checkerboard through its UVs; on the right the layout with the same checkerboard. Where
-//! the squares of the surface are square and of one size, the map keeps angles and areas; the hue
-//! drifts across the layout, so that a place on one side can be found on the other.
+//! * [`picture()`] returns a PNG: on the left the surface, textured with a checkerboard through its
+//!   UVs, on the right the layout with the same checkerboard. Where the squares of the surface are
+//!   square and of one size, the map keeps angles and areas; the hue drifts across the layout, so
+//!   that a place on one side can be found on the other.
+//! * [`svg::layout_svg`] returns the layout in real units, in layers for cutters and plotters.
+//! * [`page::render`] returns one self-contained HTML page about many runs on many meshes: pictures,
+//!   tables, convergence and histograms.
 //!
-//! Both halves go through one small software renderer. `raster` decides which triangle is seen at
-//! every sample, and only then is each sample coloured, once: the cost is linear in triangles and
-//! pixels, and the same input gives the same bytes. Coordinates in a panel are samples with y
+//! All pictures go through one small software renderer. `raster` decides which triangle is seen at
+//! every sample, and only then is each sample coloured, once, with what its face is painted with
+//! (`skin`): the cost is linear in triangles and pixels. Coordinates in a panel are samples with y
 //! pointing up, so counter-clockwise means the same there, in the UVs and on the surface.
+//!
+//! **Invariant:** the same input gives the same bytes, in every format.
 
 mod camera;
 mod checker;
@@ -16,10 +21,15 @@ mod colour;
 mod error;
 mod layout;
 mod outline;
+pub mod page;
 mod panel;
 mod picture;
 mod raster;
+mod scale;
+mod scene;
+mod skin;
 mod surface;
+pub mod svg;
 
 pub use camera::View;
 pub use error::PictureError;

@@ -1,36 +1,54 @@
-//! Where the layout ends: boundary edges and seams.
+//! Where the layout ends: boundary edges and seams; and where it does not: edges within.
 
 use abf_mesh::{CornerId, TriMesh, UvMap};
 
-/// Every edge with the layout on one side only, named by the corner it starts at.
+/// The edges of a layout, each named by the corner it starts at, in ascending order.
 ///
 /// Edge `c` runs from corner `c` to the next corner of its face. Two faces are joined at an edge
 /// of the surface if no third one is there and the UVs of both its ends agree; otherwise the edge
-/// is a boundary or a seam, and each of its faces has it in the list. What counts is the place of
-/// a vertex, not its index: files that repeat a vertex for every face have no other outline.
-pub(crate) fn outline(mesh: &TriMesh, uv: &UvMap) -> Vec<CornerId> {
-    let place = places(mesh);
-    let place_of = |c: CornerId| place[mesh.faces()[c.face().index()][c.place()].index()];
-    let ends = |c: CornerId| {
-        let (from, to) = (place_of(c), place_of(c.next()));
-        [from.min(to), from.max(to)]
-    };
-    // Whether the layout, too, has both ends of two edges of the surface in common.
-    let joined = |c: CornerId, d: CornerId| {
-        let [from, to, start, end] = [c, c.next(), d, d.next()].map(|c| uv.corner(c));
-        if place_of(c) == place_of(d) { (from, to) == (start, end) } else { (from, to) == (end, start) }
-    };
-    let mut edges: Vec<([u32; 2], CornerId)> =
-        (0..3 * mesh.face_count()).map(CornerId::new).map(|c| (ends(c), c)).collect();
-    edges.sort_unstable();
-    let mut open: Vec<CornerId> = edges
-        .chunk_by(|(a, _), (b, _)| a == b)
-        .filter(|same| !matches!(same, [(_, c), (_, d)] if joined(*c, *d)))
-        .flatten()
-        .map(|&(_, c)| c)
-        .collect();
-    open.sort_unstable();
-    open
+/// is a boundary or a seam. What counts is the place of a vertex, not its index: files that repeat
+/// a vertex for every face have no other outline.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Edges {
+    /// Edges with the layout on one side only. Each face at a seam has its own.
+    pub(crate) open: Vec<CornerId>,
+    /// Those of the open edges that are none on the surface.
+    pub(crate) seams: Vec<CornerId>,
+    /// Edges between two faces of the layout, named once.
+    pub(crate) joined: Vec<CornerId>,
+}
+
+impl Edges {
+    /// Sorts out the edges of a layout.
+    pub(crate) fn of(mesh: &TriMesh, uv: &UvMap) -> Self {
+        let place = places(mesh);
+        let place_of = |c: CornerId| place[mesh.faces()[c.face().index()][c.place()].index()];
+        let ends = |c: CornerId| {
+            let (from, to) = (place_of(c), place_of(c.next()));
+            [from.min(to), from.max(to)]
+        };
+        // Whether the layout, too, has both ends of two edges of the surface in common.
+        let agree = |c: CornerId, d: CornerId| {
+            let [from, to, start, end] = [c, c.next(), d, d.next()].map(|c| uv.corner(c));
+            if place_of(c) == place_of(d) { (from, to) == (start, end) } else { (from, to) == (end, start) }
+        };
+        let mut all: Vec<([u32; 2], CornerId)> =
+            (0..3 * mesh.face_count()).map(CornerId::new).map(|c| (ends(c), c)).collect();
+        all.sort_unstable();
+        let mut edges = Self { open: Vec::new(), seams: Vec::new(), joined: Vec::new() };
+        for same in all.chunk_by(|(a, _), (b, _)| a == b) {
+            match same {
+                [(_, c), (_, d)] if agree(*c, *d) => edges.joined.push(*c),
+                [(_, only)] => edges.open.push(*only),
+                several => several.iter().for_each(|&(_, c)| {
+                    edges.open.push(c);
+                    edges.seams.push(c);
+                }),
+            }
+        }
+        [&mut edges.open, &mut edges.seams, &mut edges.joined].into_iter().for_each(|list| list.sort_unstable());
+        edges
+    }
 }
 
 /// For every vertex the lowest index among the vertices in exactly its place.
@@ -68,24 +86,26 @@ mod tests {
         UvMap::new(points.collect(), (0..6).map(UvId::new).collect())
     }
 
-    fn edges(uv: &UvMap) -> Vec<usize> {
-        outline(&square(), uv).into_iter().map(CornerId::index).collect()
+    /// The open edges, the seams and the joined edges of a layout of the square.
+    fn edges(uv: &UvMap) -> [Vec<usize>; 3] {
+        let Edges { open, seams, joined } = Edges::of(&square(), uv);
+        [open, seams, joined].map(|list| list.into_iter().map(CornerId::index).collect())
     }
 
     #[test]
     fn the_diagonal_of_a_square_is_not_part_of_its_outline() {
-        assert_eq!(edges(&unwelded(0.0)), [0, 1, 4, 5]);
+        assert_eq!(edges(&unwelded(0.0)), [vec![0, 1, 4, 5], vec![], vec![2]]);
     }
 
     #[test]
     fn vertices_repeated_for_every_face_do_not_change_the_outline() {
         let corners: Vec<Point3<f64>> = square().triangles().flatten().collect();
         let soup = TriMesh::new(corners, &[[0, 1, 2], [3, 4, 5]]).expect("indices in range");
-        assert_eq!(outline(&soup, &unwelded(0.0)), outline(&square(), &unwelded(0.0)));
+        assert_eq!(Edges::of(&soup, &unwelded(0.0)), Edges::of(&square(), &unwelded(0.0)));
     }
 
     #[test]
     fn both_sides_of_a_seam_are_part_of_the_outline() {
-        assert_eq!(edges(&unwelded(3.0)), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(edges(&unwelded(3.0)), [vec![0, 1, 2, 3, 4, 5], vec![2, 3], vec![]]);
     }
 }

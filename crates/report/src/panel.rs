@@ -56,11 +56,11 @@ impl Panel {
     /// Colours the panel's pixels on the canvas: each is the mean of its samples.
     ///
     /// `shade` gets the number of what is seen and the place of the sample. Pixels where nothing
-    /// is seen are left alone.
+    /// is seen are left alone; without a background, pixels at the rim are partly transparent.
     pub(crate) fn resolve(
         &self,
         canvas: &mut Pixmap,
-        background: Colour,
+        background: Option<Colour>,
         seen: &Visibility,
         mut shade: impl FnMut(u32, Point2<f64>) -> Colour,
     ) {
@@ -79,8 +79,10 @@ impl Panel {
                     }
                 }
                 if covered > 0 {
-                    let mean = (sum + background * (n * n - covered) as f64) * share;
-                    pixels[y * stride + self.left as usize + x] = opaque(mean);
+                    pixels[y * stride + self.left as usize + x] = match background {
+                        Some(behind) => pixel((sum + behind * (n * n - covered) as f64) * share, 1.0),
+                        None => pixel(sum * (1.0 / covered as f64), covered as f64 * share),
+                    };
                 }
             }
         }
@@ -116,10 +118,10 @@ pub(crate) fn bounds(points: impl IntoIterator<Item = Point2<f64>>) -> (Point2<f
     points.into_iter().fold(nothing, |(low, high), p| (low.inf(&p), high.sup(&p)))
 }
 
-/// A pixel without transparency.
-fn opaque(colour: Colour) -> PremultipliedColorU8 {
+/// A pixel of which a part is covered by a colour.
+fn pixel(colour: Colour, covered: f64) -> PremultipliedColorU8 {
     let [r, g, b] = colour.to_srgb();
-    tiny_skia::ColorU8::from_rgba(r, g, b, u8::MAX).premultiply()
+    tiny_skia::ColorU8::from_rgba(r, g, b, (f64::from(u8::MAX) * covered).round() as u8).premultiply()
 }
 
 #[cfg(test)]
@@ -145,9 +147,11 @@ mod tests {
         // The lower half of the lowest row of pixels.
         seen.line(abf_mesh::Point3::new(0.0, 0.0, 0.0), abf_mesh::Point3::new(40.0, 0.0, 0.0), 1.0, 0);
         let (black, white) = (Colour::from_srgb([0; 3]), Colour::from_srgb([255; 3]));
-        PANEL.resolve(&mut canvas, white, &seen, |_, _| black);
+        PANEL.resolve(&mut canvas, Some(white), &seen, |_, _| black);
         let pixel = canvas.pixel(7, 9).expect("inside");
         assert_eq!([pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()], [188, 188, 188, 255]);
         assert_eq!(canvas.pixel(7, 8).expect("inside").alpha(), 0);
+        PANEL.resolve(&mut canvas, None, &seen, |_, _| black);
+        assert_eq!(canvas.pixel(7, 9).expect("inside").alpha(), 128);
     }
 }

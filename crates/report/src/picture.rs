@@ -1,17 +1,14 @@
 //! The whole picture: its style, its checks, and the two panels on one canvas.
 
 use abf_mesh::{TriMesh, UvMap};
-use abf_metrics::{Orientation, per_face};
 use tiny_skia::{Color, Pixmap};
 
 use crate::PictureError;
-use crate::camera::{Camera, View};
+use crate::camera::View;
 use crate::checker::Checker;
-use crate::colour::Colour;
-use crate::layout::Layout;
-use crate::outline::outline;
 use crate::panel::{Panel, bounds};
-use crate::surface::Surface;
+use crate::scene::{Palette, Scene};
+use crate::skin::Skin;
 
 /// The shortest side of a canvas, pixels: below, the margins leave nothing to see.
 const MIN_SIDE: u32 = 16;
@@ -81,46 +78,16 @@ impl Default for PictureStyle {
 /// ```
 pub fn picture(mesh: &TriMesh, uv: &UvMap, style: &PictureStyle) -> Result<Vec<u8>, PictureError> {
     check_style(style)?;
-    // The same judgement as in the figures: a red triangle is one that is counted as flipped.
-    let flipped: Vec<bool> = per_face(mesh, uv)?.iter().map(|f| f.orientation == Orientation::Flipped).collect();
-    let camera = Camera::new(&style.view, mesh)?;
+    let scene = Scene::new(mesh, uv, &style.view, style.line_width)?;
     let checker = Checker::over(bounds(uv.triangles().flatten()), style.checks);
-    let outline = if style.line_width > 0.0 { outline(mesh, uv) } else { Vec::new() };
-    let surface = Surface { mesh, uv, camera: &camera, checker: &checker, flipped: &flipped, outline: &outline };
-    let layout = Layout { uv, checker: &checker, flipped: &flipped, outline: &outline };
+    let skin = Skin::Checker(&checker);
 
     let [left, right] = panels(style);
-    let palette = Palette::on(style.background);
+    let palette = Palette::on(Some(style.background));
     let mut canvas = blank(style)?;
-    surface.draw(&mut canvas, &left, &palette, style.line_width);
-    layout.draw(&mut canvas, &right, &palette, style.line_width);
+    scene.draw_surface(&mut canvas, &left, &skin, &palette);
+    scene.draw_layout(&mut canvas, &right, &skin, &palette);
     canvas.encode_png().map_err(|e| PictureError::Encoding { reason: e.to_string() })
-}
-
-/// The colours besides those of the checkerboard.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Palette {
-    pub(crate) background: Colour,
-    /// Boundaries and seams.
-    pub(crate) ink: Colour,
-    /// Flipped triangles.
-    pub(crate) flipped: Colour,
-    /// Dark squares seen from the back.
-    pub(crate) back: Colour,
-    /// Light squares seen from the back.
-    pub(crate) back_light: Colour,
-}
-
-impl Palette {
-    fn on(background: [u8; 3]) -> Self {
-        Self {
-            background: Colour::from_srgb(background),
-            ink: Colour::from_srgb([38, 42, 50]),
-            flipped: Colour::from_srgb([226, 42, 38]),
-            back: Colour::from_srgb([104, 106, 112]),
-            back_light: Colour::from_srgb([130, 132, 138]),
-        }
-    }
 }
 
 /// The halves of the canvas for the surface and the layout.

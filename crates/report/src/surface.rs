@@ -4,18 +4,16 @@ use abf_mesh::{CornerId, FaceId, Point2, Point3, TriMesh, UvMap, Vector2, Vector
 use tiny_skia::Pixmap;
 
 use crate::camera::Camera;
-use crate::checker::Checker;
 use crate::colour::Colour;
 use crate::panel::{Panel, bounds};
-use crate::picture::Palette;
 use crate::raster::{Barycentric, Visibility};
+use crate::scene::Palette;
+use crate::skin::Skin;
 
 /// The number under which lines are drawn; no face has it, as its corners would not fit 32 bits.
 const LINE: u32 = u32::MAX - 1;
 /// Lines lie this much nearer to the viewer than the surface they are on, in half widths.
 const LIFT: f64 = 3.0;
-/// Light that comes from everywhere, as a part of the whole.
-const AMBIENT: f64 = 0.42;
 /// Where the light comes from, in the camera's frame: over the viewer's left shoulder.
 const LIGHT: [f64; 3] = [-0.35, 0.55, 0.75];
 /// A corner whose vertex normal leaves the face normal by more (cosine of 35°) is at a crease.
@@ -27,7 +25,7 @@ pub(crate) struct Surface<'a> {
     pub(crate) mesh: &'a TriMesh,
     pub(crate) uv: &'a UvMap,
     pub(crate) camera: &'a Camera,
-    pub(crate) checker: &'a Checker,
+    pub(crate) skin: &'a Skin<'a>,
     /// For every face whether the layout has it upside down.
     pub(crate) flipped: &'a [bool],
     /// Boundary and seams.
@@ -47,7 +45,7 @@ impl Surface<'_> {
                 return palette.ink;
             }
             let texture = texture.get(item, || self.texture(FaceId::new(item as usize), &screen, &normals));
-            texture.map_or(palette.back, |t| t.colour(at, self.checker, palette, &light))
+            texture.map_or(palette.back, |t| t.colour(at, self.skin, palette, &light))
         });
     }
 
@@ -88,6 +86,7 @@ impl Surface<'_> {
         let flat = normal(&corners).try_normalize(0.0)?;
         let uv = self.uv.triangle(face);
         Some(Texture {
+            face: face.index() as u32,
             inside,
             uv,
             footprint: Vector2::new(inside.change(uv.map(|p| p.x)), inside.change(uv.map(|p| p.y))),
@@ -115,6 +114,7 @@ impl Cached {
 
 /// Everything that colours the samples of one face.
 struct Texture {
+    face: u32,
     inside: Barycentric,
     uv: [Point2<f64>; 3],
     /// The extent in the UV plane of one sample.
@@ -128,20 +128,20 @@ impl Texture {
     /// The colour of the face at one sample.
     ///
     /// The camera is orthographic, so what is linear on the face is linear in the picture.
-    fn colour(&self, at: Point2<f64>, checker: &Checker, palette: &Palette, light: &Vector3<f64>) -> Colour {
+    fn colour(&self, at: Point2<f64>, skin: &Skin<'_>, palette: &Palette, light: &Vector3<f64>) -> Colour {
         let [a, b, c] = self.inside.weights(at);
         let [p, q, r] = self.uv.map(|p| p.coords);
         let uv = Point2::from(a * p + b * q + c * r);
         let paint = match (self.front, self.flipped) {
-            (true, false) => checker.colour(uv, self.footprint),
+            (true, false) => skin.front(self.face, uv, self.footprint),
             (true, true) => palette.flipped,
-            (false, _) => palette.back.mix(palette.back_light, checker.lightness(uv, self.footprint)),
+            (false, _) => skin.back(self.face, uv, self.footprint, palette),
         };
         let [l, m, n] = self.normals;
         let normal = (a * l + b * m + c * n).try_normalize(0.0).unwrap_or(l);
         // Both sides are lit as if they were the outer one.
         let normal = if self.front { normal } else { -normal };
-        paint * (AMBIENT + (1.0 - AMBIENT) * normal.dot(light).max(0.0))
+        paint * (skin.ambient() + (1.0 - skin.ambient()) * normal.dot(light).max(0.0))
     }
 }
 

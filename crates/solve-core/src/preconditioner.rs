@@ -8,8 +8,8 @@
 //! serve both, and factorising the two costs about a quarter of factorising `S`.
 //!
 //! `M` holds the triangle rows too, `T = J_t Λ⁻¹ J_tᵀ` and `K = J_R Λ⁻¹ J_tᵀ`, and these are coupled
-//! strongly: a preconditioner that ignores `K`, `diag(T, S_vv, S_ww)`, takes ten times more iterations
-//! than none. But `T` is diagonal, so `K` is eliminated exactly, and back again:
+//! strongly: a preconditioner that ignores `K`, `diag(T, S_vv, S_ww)`, takes two to ten times more
+//! iterations than none. But `T` is diagonal, so `K` is eliminated exactly, and back again:
 //!
 //! ```text
 //! M = [ I       0 ] [ T  0 ] [ I  T⁻¹Kᵀ ]        C = the same with diag(S_vv, S_ww) for S.
@@ -21,7 +21,7 @@
 use crate::schur::schur_diagonal;
 use crate::{ConstraintProducts, KktSystem, LinearError, PreconditionerKind, ReducedSystem};
 use abf_constraints::{ConstraintRows, TriangleReduction};
-use abf_linalg::{Cholesky, Identity, Jacobi, Preconditioner, SymbolicCholesky, SymmetricMatrix, SymmetricPattern};
+use abf_linalg::{Cholesky, Identity, Jacobi, Preconditioner, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::Topology;
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ enum Recipe {
     Identity,
     DiagonalOfM,
     DiagonalOfS(Arc<ReducedSystem>),
-    Block(BlockRecipe),
+    Block(Box<BlockRecipe>),
 }
 
 impl Preconditioning {
@@ -65,7 +65,7 @@ impl Preconditioning {
             (PreconditionerKind::None, _) => Recipe::Identity,
             (PreconditionerKind::Jacobi, None) => Recipe::DiagonalOfM,
             (PreconditionerKind::Jacobi, Some(system)) => Recipe::DiagonalOfS(Arc::clone(system)),
-            (PreconditionerKind::Block, _) => Recipe::Block(BlockRecipe::new(topology, rows, reduced)?),
+            (PreconditionerKind::Block, _) => Recipe::Block(Box::new(BlockRecipe::new(topology, rows, reduced)?)),
         };
         Ok(Self { recipe, current: Box::new(Identity), is_outdated: true, factorisations: 0 })
     }
@@ -116,7 +116,6 @@ fn diagonal(matrix: &SymmetricMatrix<f64>) -> Vec<f64> {
 /// What the block preconditioner needs once per topology.
 struct BlockRecipe {
     system: Arc<ReducedSystem>,
-    pattern: Arc<SymmetricPattern>,
     symbolic: Arc<SymbolicCholesky>,
     /// `J_R`, to eliminate the triangle rows of `M` with.
     elimination: Option<ConstraintProducts>,
@@ -136,40 +135,30 @@ impl BlockRecipe {
                 (system, Some(products))
             }
         };
-        let pattern = Arc::new(system.vertex_pattern());
-        let symbolic = SymbolicCholesky::analyse(Arc::clone(&pattern))?;
-        Ok(Self { system, pattern, symbolic, elimination })
+        let symbolic = SymbolicCholesky::analyse(Arc::new(system.vertex_pattern()))?;
+        Ok(Self { system, symbolic, elimination })
     }
 
     fn factorise(&self, kkt: &KktSystem<'_>) -> Result<Box<dyn Preconditioner>, LinearError> {
         let s = assemble(&self.system, kkt);
-        let blocks = Blocks { vertex: self.block(&s, 0)?, wheel: self.block(&s, 1)? };
+        let block = |part| self.symbolic.factorise(&s.every_second(self.symbolic.pattern(), part));
+        let blocks = Blocks { vertex: block(0)?, wheel: block(1)? };
         Ok(match &self.elimination {
             None => Box::new(blocks),
             Some(products) => Box::new(BlocksWithTriangles::new(blocks, products.clone(), kkt)),
         })
     }
-
-    /// Factors of the V–V block of `S` (`part` 0) or of its W–W block (`part` 1).
-    fn block(&self, s: &SymmetricMatrix<f64>, part: usize) -> Result<Cholesky<f64>, LinearError> {
-        let mut block = SymmetricMatrix::zeros(Arc::clone(&self.pattern));
-        // Column 2q of S holds rows 2q, 2q + 1 and then pairs; column 2q + 1 its own diagonal and the
-        // same pairs. Every second entry is one of the block.
-        let slots = (0..self.pattern.size()).flat_map(|q| s.pattern().column(2 * q + part).step_by(2));
-        block.values.iter_mut().zip(slots).for_each(|(value, slot)| *value = s.values[slot]);
-        self.symbolic.factorise(&block)
-    }
 }
 
 /// `diag(S_vv, S_ww)⁻¹`, vectors in the order of the unknowns of `S`: vertex, wheel, vertex, wheel, …
-struct Blocks {
-    vertex: Cholesky<f64>,
-    wheel: Cholesky<f64>,
+pub(crate) struct Blocks<F> {
+    pub vertex: F,
+    pub wheel: F,
 }
 
-impl Preconditioner for Blocks {
+impl<F: Preconditioner + Sync> Preconditioner for Blocks<F> {
     fn apply(&self, r: &[f64], out: &mut [f64]) {
-        let solve = |factors: &Cholesky<f64>, part: usize| {
+        let solve = |factors: &F, part: usize| {
             let part: Vec<f64> = r.iter().skip(part).step_by(2).copied().collect();
             let mut solved = vec![0.0; part.len()];
             factors.apply(&part, &mut solved);
@@ -188,7 +177,7 @@ impl Preconditioner for Blocks {
 
 /// `C⁻¹` for `M`, vectors in the order of [`ConstraintRows`].
 struct BlocksWithTriangles {
-    blocks: Blocks,
+    blocks: Blocks<Cholesky<f64>>,
     /// With 2w: `T⁻¹` and the two products with `Λ⁻¹ J_tᵀ T⁻¹`.
     triangles: Vec<TriangleReduction>,
     /// `J_R`.
@@ -196,7 +185,7 @@ struct BlocksWithTriangles {
 }
 
 impl BlocksWithTriangles {
-    fn new(blocks: Blocks, mut products: ConstraintProducts, kkt: &KktSystem<'_>) -> Self {
+    fn new(blocks: Blocks<Cholesky<f64>>, mut products: ConstraintProducts, kkt: &KktSystem<'_>) -> Self {
         products.update(kkt);
         let triangles = kkt.lambda.chunks_exact(3).map(|l| TriangleReduction::new([l[0], l[1], l[2]])).collect();
         Self { blocks, triangles, products }

@@ -19,7 +19,7 @@ pub struct MinresStep {
 /// What is solved.
 enum System {
     /// `M μ = h − J Λ⁻¹ g`, matrix free.
-    Whole(ConstraintProducts),
+    Whole(Box<ConstraintProducts>),
     /// `S μ_R = r`, assembled.
     Reduced(Arc<ReducedSystem>),
 }
@@ -31,7 +31,7 @@ impl MinresStep {
     /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
     pub fn new(topology: &Topology, rows: &ConstraintRows, settings: IterativeSettings) -> Result<Self, LinearError> {
         let system = match settings.reduction {
-            Reduction::None => System::Whole(ConstraintProducts::whole(topology, rows)),
+            Reduction::None => System::Whole(Box::new(ConstraintProducts::whole(topology, rows))),
             Reduction::Triangles => System::Reduced(Arc::new(ReducedSystem::new(topology, rows)?)),
         };
         let reduced = match &system {

@@ -39,10 +39,7 @@ fn steps(problem: &AngleProblem<'_>, settings: IterativeSettings) -> [(&'static 
 }
 
 fn solvers(iterative: IterativeSettings) -> [Box<dyn AngleSolver>; 2] {
-    [
-        Box::new(Minres { iterative, ..Minres::default() }),
-        Box::new(Uzawa { iterative, ..Uzawa::default() }),
-    ]
+    [Box::new(Minres { iterative, ..Minres::default() }), Box::new(Uzawa { iterative, ..Uzawa::default() })]
 }
 
 fn direct(problem: &AngleProblem<'_>) -> AngleSolution {
@@ -164,7 +161,7 @@ fn as_published_the_letters_converge() {
     }
 }
 
-/// To 1e-10 from frozen factors, a step of a mesh of any size.
+/// Every step of a solve to 1e-10, with the factors of the first while they last.
 #[test]
 fn blocks_precondition_at_any_size() {
     for (shape, triangles) in [(Shape::Mask, 1_000), (Shape::Mask, 20_000), (Shape::SpikyField, 20_000)] {
@@ -193,7 +190,6 @@ fn results_have_the_same_bits_for_one_and_two_threads() {
                 for solver in solvers(settings) {
                     let with_threads = |threads: usize| {
                         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-                        // An observer is not Sync; this one has nothing in it.
                         pool.install(|| solver.solve(problem, &stop, &mut Silent)).expect("angles")
                     };
                     assert_eq!(with_threads(1), with_threads(2), "{} {settings:?}", solver.name());
@@ -246,7 +242,10 @@ fn too_few_inner_iterations_are_never_called_converged() {
                     let solution = solver.solve(problem, &StopCriteria::default(), &mut Silent).expect("angles");
                     let what = format!("{} {max_inner_iterations} on {shape}", solver.name());
                     assert!(!solution.termination().is_as_asked(), "{what}: {}", solution.termination());
-                    assert!(solution.history().iter().all(|r| r.inner_iterations <= 2 * max_inner_iterations), "{what}");
+                    assert!(
+                        solution.history().iter().all(|r| r.inner_iterations <= 2 * max_inner_iterations),
+                        "{what}"
+                    );
                     assert_eq!(solution.angles_out_of_range(), 0, "{what}");
                 }
             }

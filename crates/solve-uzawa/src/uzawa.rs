@@ -18,7 +18,7 @@
 //!
 //! * `d₀ = Bu₀ − g` is printed; there is no `u`, and `x₀` is meant.
 //! * `d_{k+1} = −q_{k+1} − β_k d_k` is printed. The directions `Bᵀd` are conjugate in `A⁻¹` with `+β_k`
-//!   only: with the minus the method stalls from its second step on.
+//!   only; with the minus the method creeps.
 //! * Equation (8) factors the saddle-point matrix with `M = BA⁻¹Bᵀ`. The factorisation holds with
 //!   `M = −BA⁻¹Bᵀ`, which is why the whole matrix is indefinite even where `A` and `BA⁻¹Bᵀ` are positive.
 //!

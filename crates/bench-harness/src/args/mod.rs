@@ -1,21 +1,28 @@
 //! The command line as it is typed.
 
-use abf::{LayoutKind, Passes, SolverKind};
+mod method;
+
 use abf_shapes::Shape;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Parser, Subcommand, value_parser};
+use clap::{Parser, Subcommand};
+pub(crate) use method::{InnerAccuracy, MethodArgs, SolverChoice, names};
 use std::path::PathBuf;
-use std::str::FromStr;
-
-/// More threads than any machine this was tried on has cores; some systems die of many more.
-const MOST_THREADS: i64 = 1024;
 
 const EXIT_CODES: &str = "\
 Exit codes:
   0  finished as asked, no flipped and no collapsed triangle
   1  finished, but not converged, or with flipped or collapsed triangles, or cancelled
   2  unusable input or usage, or a file that cannot be written
-Of several meshes the worst counts.";
+Of several meshes or solvers the worst counts.";
+
+const COMPARE: &str = "\
+Every file is written anew after every mesh, so that stopping half-way keeps what is done.
+The solver's options are those of flattening; each applies to the solvers it concerns.
+
+Exit codes:
+  0  every mesh compared
+  1  cancelled
+  2  a mesh that cannot be used, a file that cannot be written, unusable usage";
 
 /// Flatten triangle meshes and say how good, how valid and how fast it was.
 #[derive(Debug, Parser)]
@@ -29,9 +36,23 @@ pub(crate) struct Args {
     pub(crate) flatten: FlattenArgs,
 }
 
+impl Args {
+    /// How many threads to use, if that was said.
+    pub(crate) fn threads(&self) -> Option<u16> {
+        match &self.command {
+            None => self.flatten.method.threads,
+            Some(Command::Compare(args)) => args.method.threads,
+            Some(Command::Metrics(_) | Command::Fixtures(_)) => None,
+        }
+    }
+}
+
 /// What there is to do besides flattening.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Flatten many meshes with many solvers, several times each, and write tables
+    #[command(after_help = COMPARE)]
+    Compare(Box<CompareArgs>),
     /// Judge the UVs that files already have
     #[command(after_help = "Exit codes:\n  0  all valid\n  1  flipped or collapsed triangles\n  2  unusable input")]
     Metrics(MetricsArgs),
@@ -45,45 +66,60 @@ pub(crate) struct FlattenArgs {
     /// The meshes: obj, off, ply or stl. None: the built-in face of 20 000 triangles
     #[arg(value_name = "MESH")]
     pub(crate) meshes: Vec<PathBuf>,
-    /// The method
-    #[arg(long, value_name = "NAME", default_value_t, value_parser = solvers())]
-    pub(crate) solver: SolverKind,
-    /// How many passes linabf makes: a number, or auto: until the constraints are met
-    #[arg(long, value_name = "N|auto", default_value_t)]
-    pub(crate) passes: Passes,
-    /// How angles become coordinates; auto is the tree when the angles close, else least squares
-    #[arg(long, value_name = "KIND", default_value_t, value_parser = layouts())]
-    pub(crate) layout: LayoutKind,
-    /// Start rings whose angle deficit is above T rad from their target angles; off: none
-    #[arg(long, value_name = "T|off", default_value_t)]
-    pub(crate) ring_switch: RingSwitch,
-    /// A pass starts from angles of at least B and at most π − B, rad [default: 0.001]
-    #[arg(long, value_name = "B")]
-    pub(crate) angle_bound: Option<f64>,
-    /// Converged means a constraint residual of at most T, rad [default: 1e-8]
-    #[arg(long, value_name = "T")]
-    pub(crate) tolerance: Option<f64>,
-    /// At most N passes with --passes auto [default: 50]
-    #[arg(long, value_name = "N")]
-    pub(crate) max_iterations: Option<usize>,
-    /// Stop the solver after so long and lay out what it has
-    #[arg(long, value_name = "SECONDS")]
-    pub(crate) time_limit: Option<f64>,
-    /// Scale the UVs into the unit square; otherwise they have the area of the surface
-    #[arg(long)]
-    pub(crate) normalize: bool,
-    /// How many threads to use; the results are the same for any number [default: one per core]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=MOST_THREADS))]
-    pub(crate) threads: Option<u16>,
+    /// The method: linabf, abf, abf++, abf-newton, abf-fixed-target, uzawa, minres or lscm; several
+    /// with commas, or all, are compared
+    #[arg(long, value_name = "NAME|all", default_value_t)]
+    pub(crate) solver: SolverChoice,
+    /// Its settings.
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
     /// Write the mesh with its UVs: obj or ply
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help_heading = "Outputs")]
     pub(crate) output: Option<PathBuf>,
     /// Write the results as JSON; with - to stdout, and the table goes to stderr
-    #[arg(long, value_name = "FILE|-")]
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
     pub(crate) json: Option<PathBuf>,
+    /// Write every outer and inner iteration as JSON, for plotting
+    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    pub(crate) history: Option<PathBuf>,
     /// Draw the checkered surface next to its layout
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
     pub(crate) png: Option<PathBuf>,
+}
+
+/// The arguments of `compare`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct CompareArgs {
+    /// Meshes, and folders: every obj, off, ply and stl below them
+    #[arg(value_name = "DIR|MESH", required = true)]
+    pub(crate) meshes: Vec<PathBuf>,
+    /// The methods: names with commas, or all
+    #[arg(long, value_name = "NAMES|all", default_value_t = SolverChoice::All)]
+    pub(crate) solver: SolverChoice,
+    /// Their settings.
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+    /// Runs that are not measured, before those that are
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) warmup: usize,
+    /// Runs whose median, least and greatest times are shown
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = at_least_one)]
+    pub(crate) repeats: usize,
+    /// Show what changed since the JSON of an earlier comparison
+    #[arg(long, value_name = "FILE")]
+    pub(crate) baseline: Option<PathBuf>,
+    /// Write the results as JSON; with - to stdout at the end, and the tables go to stderr
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
+    pub(crate) json: Option<PathBuf>,
+    /// Write the results as a Markdown table
+    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    pub(crate) markdown: Option<PathBuf>,
+    /// Write the results as comma-separated values
+    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Write a page with pictures, curves and tables: one HTML file that needs nothing else
+    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    pub(crate) report: Option<PathBuf>,
 }
 
 /// The arguments of `metrics`.
@@ -114,64 +150,19 @@ pub(crate) struct FixturesArgs {
     pub(crate) output: Option<PathBuf>,
 }
 
-/// A threshold, or none.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RingSwitch(
-    /// `None` for "off".
-    pub(crate) Option<f64>,
-);
-
-impl Default for RingSwitch {
-    fn default() -> Self {
-        Self(abf::EstimateSettings::default().ring_switch)
-    }
-}
-
-impl std::fmt::Display for RingSwitch {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.0 {
-            Some(threshold) => threshold.fmt(f),
-            None => f.write_str("off"),
-        }
-    }
-}
-
-impl FromStr for RingSwitch {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        if s == "off" {
-            return Ok(Self(None));
-        }
-        s.parse().map(|threshold| Self(Some(threshold))).map_err(|_| format!("must be a number or 'off', got '{s}'"))
-    }
-}
-
-/// A parser that takes exactly these names and lists them when it gets another.
-fn one_of<T, const N: usize>(names: [&'static str; N]) -> impl TypedValueParser<Value = T>
-where
-    T: FromStr + Clone + Send + Sync + 'static,
-    T::Err: Into<Box<dyn std::error::Error + Send + Sync>> + Send + Sync + 'static,
-{
-    PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
-}
-
-fn solvers() -> impl TypedValueParser<Value = SolverKind> {
-    one_of(SolverKind::ALL.map(SolverKind::name))
-}
-
-fn layouts() -> impl TypedValueParser<Value = LayoutKind> {
-    one_of(LayoutKind::ALL.map(LayoutKind::name))
-}
-
 fn shapes() -> impl TypedValueParser<Value = Shape> {
     let value = |shape: Shape| PossibleValue::new(shape.name()).help(shape.description());
     PossibleValuesParser::new(Shape::ALL.map(value)).try_map(|name| name.parse::<Shape>())
 }
 
+fn at_least_one(s: &str) -> Result<usize, String> {
+    s.parse().ok().filter(|&n| n > 0).ok_or_else(|| format!("must be a whole number, at least 1, got '{s}'"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use abf::SolverKind;
     use clap::CommandFactory;
 
     #[test]
@@ -182,10 +173,30 @@ mod tests {
     #[test]
     fn the_defaults_in_the_help_are_those_of_the_library() {
         let help = Args::command().render_long_help().to_string();
-        let stop = abf::StopCriteria::default();
-        let bound = abf::EstimateSettings::default().angle_bound;
-        for text in [format!("{:e}", stop.tolerance), stop.max_iterations.to_string(), bound.to_string()] {
+        let (stop, estimate) = (abf::StopCriteria::default(), abf::EstimateSettings::default());
+        let iterative = abf::IterativeSettings::default();
+        for text in [
+            format!("{:e}", stop.tolerance),
+            stop.max_iterations.to_string(),
+            estimate.angle_bound.to_string(),
+            estimate.ring_switch.expect("on").to_string(),
+            abf::Passes::default().to_string(),
+            abf::LineSearch::default().to_string(),
+            iterative.reduction.to_string(),
+            iterative.preconditioner.to_string(),
+            iterative.max_inner_iterations.to_string(),
+        ] {
             assert!(help.contains(&format!("[default: {text}]")), "{text}: {help}");
         }
+    }
+
+    #[test]
+    fn the_help_names_every_solver() {
+        let mut command = Args::command();
+        let argument = command.get_arguments().find(|argument| argument.get_id() == "solver").expect("--solver");
+        let help = argument.get_help().expect("help").to_string();
+        let words: Vec<&str> = help.split([' ', ',', ';']).collect();
+        assert!(names(&SolverKind::ALL).iter().all(|name| words.contains(name)), "{help}");
+        command.build();
     }
 }

@@ -1,31 +1,48 @@
-//! What is known about one mesh: the one source of the table and of the JSON.
+//! What is known about one result: the one source of every table and of the JSON.
 
+mod quality;
+mod run;
+mod settings;
+mod times;
+
+use crate::compare::Change;
 use crate::errors::Failure;
-use abf::{Flattening, LayoutKind, Metrics, Passes, Pipeline, Termination};
-use abf_mesh::{FaceId, Topology, TriMesh};
+use crate::methods::NotRun;
+use abf::{KktCounts, WheelForm, constraints::ConstraintRows};
+use abf_mesh::{Topology, TriMesh};
+pub(crate) use quality::Quality;
+pub(crate) use run::Run;
 use serde::{Serialize, Serializer};
+pub(crate) use settings::Asked;
 use std::fmt;
+pub(crate) use times::{Repeats, Spread, Stages, Timings};
 
 /// The name of the JSON's format; the number goes up when a field changes its meaning.
-const SCHEMA: &str = "bench-harness/1";
+pub(crate) const SCHEMA: &str = "bench-harness/1";
 
-/// Everything there is to say about one mesh.
+/// Everything there is to say about one mesh and one solver.
 ///
 /// Parts that do not apply are absent from the JSON: a judged file has no solver, a mesh that
 /// failed has what was known before. Numbers that are not finite are `null`.
-#[derive(Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Record {
     /// The file.
     pub(crate) mesh: String,
     /// How large the mesh is.
     #[serde(flatten)]
     pub(crate) size: Option<Size>,
+    /// The solver's name; none where no solver is to blame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) solver: Option<&'static str>,
     /// What the solver and the layout did.
     #[serde(flatten)]
     pub(crate) run: Option<Run>,
     /// How valid and how distorted the UVs are.
     #[serde(flatten)]
     pub(crate) quality: Option<Quality>,
+    /// How large the KKT matrix is in either wheel form.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) kkt: Option<Kkt>,
     /// What reading did beyond copying.
     pub(crate) notes: Vec<String>,
     /// What to try next.
@@ -34,12 +51,21 @@ pub(crate) struct Record {
     /// Where the time went.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) timings_s: Option<Timings>,
+    /// How far the times of several runs are apart.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) repeats: Option<Repeats>,
     /// See [`crate::memory`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) peak_memory_bytes: Option<usize>,
+    /// What changed since an earlier comparison.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) baseline: Option<Change>,
     /// The files that were written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) written: Vec<String>,
+    /// Why the solver was left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) not_run: Option<NotRun>,
     /// Why there is no result, or why it is not written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) error: Option<Failure>,
@@ -70,174 +96,24 @@ impl Size {
     }
 }
 
-/// What was asked of the solver and the layout, and what they did.
-#[derive(Debug, Serialize)]
-pub(crate) struct Run {
-    /// The solver's name.
-    pub(crate) solver: &'static str,
-    /// What it was asked.
-    pub(crate) settings: Asked,
-    /// How it ended.
-    #[serde(serialize_with = "as_text")]
-    pub(crate) termination: Termination,
-    /// `max |h|` of its angles, log form, rad; `None` where no angles are solved for.
-    pub(crate) constraint_residual: Option<f64>,
-    /// Angles not inside (0, π); `None` where no angles are solved for.
-    pub(crate) angles_out_of_range: Option<usize>,
-    /// Outer iterations or passes.
-    pub(crate) iterations: usize,
-    /// Inner iterations of all of them; refinement steps where the solve is direct.
-    pub(crate) inner_iterations: usize,
-    /// Angles moved into their bounds: between passes by the solver, and before the layout.
-    pub(crate) moved_angles: usize,
-    /// Rings that started from their target angles.
-    pub(crate) switched_rings: usize,
-    /// The layout that was used; never `auto`.
-    #[serde(serialize_with = "as_text")]
-    pub(crate) layout: LayoutKind,
-    /// The largest disagreement between the two sides of an edge; `None` where nothing was
-    /// integrated.
-    pub(crate) closing_error: Option<f64>,
+/// The counters of VMV04 fig. 2: the KKT matrix of the whole problem, which only `abf` assembles.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Kkt {
+    /// `4 nt + 2 ni`.
+    pub(crate) unknowns: usize,
+    /// Entries that are not zero by construction, log wheel.
+    pub(crate) nonzeros_log: usize,
+    /// The same, product wheel.
+    pub(crate) nonzeros_product: usize,
 }
 
-impl Run {
-    /// The report of a flattening.
-    pub(crate) fn new(pipeline: &Pipeline, flat: &Flattening) -> Self {
-        let solution = flat.solution.as_ref();
-        Self {
-            solver: pipeline.solver.name(),
-            settings: Asked::new(pipeline),
-            termination: flat.termination,
-            constraint_residual: solution.map(abf::AngleSolution::constraint_residual),
-            angles_out_of_range: solution.map(abf::AngleSolution::angles_out_of_range),
-            iterations: solution.map_or(0, abf::AngleSolution::iterations),
-            inner_iterations: solution.map_or(0, abf::AngleSolution::inner_iterations),
-            moved_angles: solution.map_or(0, abf::AngleSolution::moved_angles) + flat.layout.moved_angles,
-            switched_rings: flat.switched_rings,
-            layout: flat.layout.kind,
-            closing_error: flat.layout.closing_error,
-        }
+impl Kkt {
+    /// The counters of a disk.
+    pub(crate) fn of(topology: &Topology) -> Self {
+        let rows = ConstraintRows::new(topology);
+        let [log, product] = [WheelForm::Log, WheelForm::Product].map(|form| KktCounts::of(form, topology, &rows));
+        Self { unknowns: log.unknowns, nonzeros_log: log.nonzeros, nonzeros_product: product.nonzeros }
     }
-}
-
-/// The settings, as they are in the JSON.
-#[derive(Debug, Serialize)]
-pub(crate) struct Asked {
-    /// A number or `"auto"`.
-    #[serde(serialize_with = "as_number_or_text")]
-    pub(crate) passes: Passes,
-    /// Which layout; `auto` where the program may choose.
-    #[serde(serialize_with = "as_text")]
-    pub(crate) layout: LayoutKind,
-    /// Radians; `None` for off.
-    pub(crate) ring_switch: Option<f64>,
-    /// Radians.
-    pub(crate) angle_bound: f64,
-    /// Radians.
-    pub(crate) tolerance: f64,
-    /// Passes with `auto`.
-    pub(crate) max_iterations: usize,
-    /// Seconds; `None` for no limit.
-    pub(crate) time_limit_s: Option<f64>,
-    /// Whether the UVs are scaled into the unit square.
-    pub(crate) normalize: bool,
-    /// Threads in use.
-    pub(crate) threads: usize,
-}
-
-impl Asked {
-    fn new(pipeline: &Pipeline) -> Self {
-        Self {
-            passes: pipeline.passes,
-            layout: pipeline.layout.kind,
-            ring_switch: pipeline.estimate.ring_switch,
-            angle_bound: pipeline.estimate.angle_bound,
-            tolerance: pipeline.stop.tolerance,
-            max_iterations: pipeline.stop.max_iterations,
-            time_limit_s: pipeline.stop.time_limit.map(|limit| limit.as_secs_f64()),
-            normalize: pipeline.normalize,
-            threads: rayon::current_num_threads(),
-        }
-    }
-}
-
-/// The figures of [`Metrics`] that the program reports, under the same names.
-#[derive(Debug, Serialize)]
-pub(crate) struct Quality {
-    /// No flipped and no collapsed triangle.
-    pub(crate) valid: bool,
-    #[serde(flatten)]
-    figures: Figures,
-}
-
-impl Quality {
-    /// The judgement of the UVs.
-    pub(crate) fn new(metrics: Metrics) -> Self {
-        Self { valid: metrics.valid(), figures: Figures(metrics) }
-    }
-
-    /// The figures.
-    pub(crate) fn metrics(&self) -> &Metrics {
-        &self.figures.0
-    }
-}
-
-/// [`Metrics`] without the number of triangles, which [`Size`] has.
-#[derive(Debug)]
-struct Figures(Metrics);
-
-impl Serialize for Figures {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        use serde::ser::SerializeMap;
-        let m = &self.0;
-        let indices = |faces: &[FaceId]| faces.iter().map(|face| face.index()).collect::<Vec<_>>();
-        let mut map = serializer.serialize_map(None)?;
-        for (name, count) in [
-            ("flips", m.flips),
-            ("collapsed", m.collapsed),
-            ("near_collapsed", m.near_collapsed),
-            ("degenerate_3d", m.degenerate_3d),
-            ("charts", m.charts),
-        ] {
-            map.serialize_entry(name, &count)?;
-        }
-        for (name, figure) in [
-            ("f", m.f),
-            ("f_weighted", m.f_weighted),
-            ("max_angle_error", m.max_angle_error),
-            ("stretch_l2", m.stretch_l2),
-            ("stretch_linf", m.stretch_linf),
-            ("qc_mean", m.qc_mean),
-            ("qc_max", m.qc_max),
-            ("area_l2", m.area_l2),
-            ("uv_area", m.uv_area),
-            ("surface_area", m.surface_area),
-        ] {
-            map.serialize_entry(name, &figure)?;
-        }
-        map.serialize_entry("flipped_faces", &indices(&m.flipped_faces))?;
-        map.serialize_entry("collapsed_faces", &indices(&m.collapsed_faces))?;
-        map.end()
-    }
-}
-
-/// Where the time went, in seconds.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub(crate) struct Timings {
-    /// Reading the file, or making the built-in mesh.
-    pub(crate) read: f64,
-    /// Corner table, disk check, angles of the surface, estimate.
-    pub(crate) topology: f64,
-    /// Solving for the angles.
-    pub(crate) solve: f64,
-    /// From angles to coordinates.
-    pub(crate) layout: f64,
-    /// Judging the UVs.
-    pub(crate) metrics: f64,
-    /// Writing the mesh.
-    pub(crate) write: f64,
-    /// All of it, from beginning to end. Pictures come after.
-    pub(crate) total: f64,
 }
 
 /// How it went, from good to bad.
@@ -263,15 +139,42 @@ impl Outcome {
 }
 
 impl Record {
-    /// How it went.
+    /// How it went. A solver that was left out did nothing wrong.
     pub(crate) fn outcome(&self) -> Outcome {
         let as_asked = self.run.as_ref().is_none_or(|run| run.termination.is_as_asked());
-        let valid = self.quality.as_ref().is_some_and(|quality| quality.valid);
+        let valid = self.quality.as_ref().is_some_and(|quality| quality.valid) || self.not_run.is_some();
         match &self.error {
             Some(failure) if !failure.is_cancelled() => Outcome::Failed,
             None if as_asked && valid => Outcome::AsAsked,
             _ => Outcome::NotAsAsked,
         }
+    }
+
+    /// One word, or two, on how it went.
+    pub(crate) fn result_word(&self) -> String {
+        if let Some(not_run) = &self.not_run {
+            return format!("not run: {}", not_run.kind);
+        }
+        let valid = self.quality.as_ref().is_some_and(|quality| quality.valid);
+        let termination = self.run.as_ref().map(|run| run.termination.to_string());
+        result_word(self.error.as_ref().map(|failure| failure.kind), termination.as_deref(), valid)
+    }
+
+    /// Whether the user stopped it.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        let ended = self.run.as_ref().map(|run| run.termination);
+        ended == Some(abf::Termination::Cancelled) || self.error.as_ref().is_some_and(Failure::is_cancelled)
+    }
+}
+
+/// One word, or two, on a result of which this is known.
+pub(crate) fn result_word(error: Option<&str>, termination: Option<&str>, valid: bool) -> String {
+    match (error, termination, valid) {
+        (Some(kind), ..) => format!("error: {kind}"),
+        (None, Some(word), true) => word.to_owned(),
+        (None, Some(word), false) => format!("{word}, not valid"),
+        (None, None, true) => "valid".to_owned(),
+        (None, None, false) => "not valid".to_owned(),
     }
 }
 
@@ -282,19 +185,16 @@ pub(crate) fn to_json(records: &[Record]) -> String {
         schema: &'static str,
         results: &'a [Record],
     }
-    let document = Document { schema: SCHEMA, results: records };
-    let mut text = serde_json::to_string_pretty(&document).expect("records have text keys only");
+    pretty(&Document { schema: SCHEMA, results: records })
+}
+
+/// Any document as JSON, with a line end.
+pub(crate) fn pretty(document: &impl Serialize) -> String {
+    let mut text = serde_json::to_string_pretty(document).expect("documents have text keys only");
     text.push('\n');
     text
 }
 
 fn as_text<S: Serializer>(value: &impl fmt::Display, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_str(value)
-}
-
-fn as_number_or_text<S: Serializer>(passes: &Passes, serializer: S) -> Result<S::Ok, S::Error> {
-    match passes {
-        Passes::Exactly(n) => n.serialize(serializer),
-        Passes::Auto => as_text(passes, serializer),
-    }
 }

@@ -1,8 +1,8 @@
-//! Records for people: one in full, several side by side.
+//! One record for people, in full.
 
 use crate::advice::ending;
 use crate::number::{count, megabytes, seconds, significant};
-use crate::record::{Quality, Record, Run, Size, Timings};
+use crate::record::{Asked, Kkt, Quality, Record, Run, Size, Timings};
 use abf::Metrics;
 use std::fmt::Write;
 
@@ -10,30 +10,21 @@ use std::fmt::Write;
 const DIGITS: usize = 4;
 /// How many digits residuals are shown with: their size matters, not their value.
 const RESIDUAL_DIGITS: usize = 2;
-/// Where there is nothing to show.
-const NOTHING: &str = "-";
-
-/// The table of one record or of several.
-pub(crate) fn table(records: &[Record]) -> String {
-    match records {
-        [record] => in_full(record),
-        _ => side_by_side(records),
-    }
-}
 
 /// Everything about one mesh, a line for each matter.
-fn in_full(record: &Record) -> String {
+pub(crate) fn in_full(record: &Record) -> String {
     let mut lines: Vec<(&str, String)> = Vec::new();
     if let Some(size) = &record.size {
         lines.push(("size", size_line(size)));
     }
-    if let Some(run) = &record.run {
-        lines.extend([("solver", solver_line(run)), ("ended", ended_line(run)), ("layout", layout_line(run))]);
+    if let (Some(run), Some(solver)) = (&record.run, record.solver) {
+        lines.extend(run_lines(solver, run));
     }
     if let Some(quality) = &record.quality {
         lines.push(("valid", valid_line(quality)));
         lines.extend(distortion_lines(quality.metrics()));
     }
+    lines.extend(record.kkt.map(|kkt| ("KKT matrix", kkt_line(kkt))));
     if let Some(timings) = &record.timings_s {
         lines.push(("time", time_line(timings)));
     }
@@ -52,7 +43,7 @@ fn in_full(record: &Record) -> String {
     out
 }
 
-fn size_line(size: &Size) -> String {
+pub(super) fn size_line(size: &Size) -> String {
     let mut parts = vec![count(size.triangles, "triangle", "triangles"), count(size.vertices, "vertex", "vertices")];
     if let Some(interior) = size.interior_vertices {
         parts.push(format!("{interior} of them interior"));
@@ -63,12 +54,24 @@ fn size_line(size: &Size) -> String {
     parts.join(", ")
 }
 
-fn solver_line(run: &Run) -> String {
+/// What the solver was asked and what it did.
+fn run_lines(solver: &str, run: &Run) -> Vec<(&'static str, String)> {
+    let mut lines = vec![("solver", solver_line(solver, run))];
+    lines.extend(newton_line(&run.settings).map(|line| ("step", line)));
+    lines.extend(inner_settings_line(&run.settings).map(|line| ("inner solve", line)));
+    lines.push(("ended", ended_line(run)));
+    lines.extend(accuracy_line(run).map(|line| ("accuracy", line)));
+    lines.extend(curvature_line(run).map(|line| ("curvature", line)));
+    lines.push(("layout", layout_line(run)));
+    lines
+}
+
+fn solver_line(solver: &str, run: &Run) -> String {
     let asked = &run.settings;
-    let mut parts = vec![run.solver.to_owned()];
+    let mut parts = vec![solver.to_owned()];
+    parts.extend(asked.passes.map(|passes| format!("passes {passes}")));
     // A method without angles takes none of these.
-    if run.constraint_residual.is_some() {
-        parts.push(format!("passes {}", asked.passes));
+    if asked.finds_angles {
         parts.push(match asked.ring_switch {
             Some(threshold) => format!("ring switch {threshold} rad ({} switched)", run.switched_rings),
             None => "ring switch off".to_owned(),
@@ -79,6 +82,56 @@ fn solver_line(run: &Run) -> String {
         parts.push("normalized".to_owned());
     }
     parts.join(", ")
+}
+
+fn newton_line(asked: &Asked) -> Option<String> {
+    Some(format!("{} wheel, {} Hessian, line search {}", asked.wheel?, asked.hessian?, asked.line_search?))
+}
+
+fn inner_settings_line(asked: &Asked) -> Option<String> {
+    Some(format!(
+        "reduction {}, preconditioner {}, tolerance {}, at most {} iterations",
+        asked.reduction?, asked.preconditioner?, asked.inner_tolerance?, asked.max_inner_iterations?
+    ))
+}
+
+/// How exactly the linear systems were solved.
+fn accuracy_line(run: &Run) -> Option<String> {
+    let figure = |x| significant(x, RESIDUAL_DIGITS);
+    let mut text = format!(
+        "relative residual of the linear solves {} at worst, {} at last",
+        figure(run.inner_residual_worst?),
+        figure(run.inner_residual?)
+    );
+    if let Some(estimate) = run.inner_estimate {
+        let _ = write!(text, " (estimated {})", figure(estimate));
+    }
+    if run.inner_unconverged > 0 {
+        let _ = write!(text, ", {} short of its tolerance", count(run.inner_unconverged, "solve", "solves"));
+    }
+    Some(text)
+}
+
+/// What the exact Hessian did; nothing where it is positive by construction.
+fn curvature_line(run: &Run) -> Option<String> {
+    let (negative, fallbacks) = (run.negative_curvature?, run.fallbacks?);
+    if run.settings.hessian != Some(abf::Hessian::Exact) {
+        return None;
+    }
+    let entries = match negative {
+        0 => "no entry of the Hessian negative".to_owned(),
+        n => format!("at most {} of the Hessian negative", count(n, "entry", "entries")),
+    };
+    Some(match fallbacks {
+        0 => entries,
+        n => format!("{entries}, {} made with the Gauss–Newton one instead", count(n, "step", "steps")),
+    })
+}
+
+fn kkt_line(kkt: Kkt) -> String {
+    let Kkt { unknowns, nonzeros_log, nonzeros_product } = kkt;
+    let ratio = significant(nonzeros_product as f64 / nonzeros_log as f64, DIGITS - 1);
+    format!("{unknowns} unknowns, nonzeros: log wheel {nonzeros_log}, product wheel {nonzeros_product} ({ratio} times)")
 }
 
 fn ended_line(run: &Run) -> String {
@@ -143,93 +196,13 @@ fn distortion_lines(m: &Metrics) -> Vec<(&'static str, String)> {
 fn time_line(t: &Timings) -> String {
     let stages = [
         ("read", t.read),
-        ("topology", t.topology),
-        ("solve", t.solve),
-        ("layout", t.layout),
+        ("topology", t.stages.topology),
+        ("solve", t.stages.solve),
+        ("layout", t.stages.layout),
         ("metrics", t.metrics),
         ("write", t.write),
     ];
     let parts: Vec<String> =
         stages.into_iter().filter(|&(_, s)| s > 0.0).map(|(name, s)| format!("{name} {}", seconds(s))).collect();
     format!("{} ({})", seconds(t.total), parts.join(", "))
-}
-
-/// One row for each mesh.
-fn side_by_side(records: &[Record]) -> String {
-    let with_solver = records.iter().any(|record| record.run.is_some());
-    let columns: Vec<&Column> = COLUMNS.iter().filter(|column| with_solver || !column.of_solver).collect();
-    let mut rows = vec![columns.iter().map(|column| column.head.to_owned()).collect::<Vec<_>>()];
-    for record in records {
-        rows.push(columns.iter().map(|column| (column.cell)(record).unwrap_or_else(|| NOTHING.to_owned())).collect());
-    }
-    let widths: Vec<usize> =
-        (0..columns.len()).map(|k| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0)).collect();
-    let mut out = String::new();
-    for row in &rows {
-        let cells = row.iter().zip(&widths).zip(&columns).map(|((cell, &width), column)| {
-            if column.is_text { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
-        });
-        out.push_str(cells.collect::<Vec<_>>().join("  ").trim_end());
-        out.push('\n');
-    }
-    out
-}
-
-/// One column: its head, and the cell of a record if it has one.
-struct Column {
-    head: &'static str,
-    is_text: bool,
-    /// Whether it speaks of the solver, which judged files do not have.
-    of_solver: bool,
-    cell: fn(&Record) -> Option<String>,
-}
-
-impl Column {
-    const fn text(head: &'static str, cell: fn(&Record) -> Option<String>) -> Self {
-        Self { head, is_text: true, of_solver: false, cell }
-    }
-
-    const fn number(head: &'static str, cell: fn(&Record) -> Option<String>) -> Self {
-        Self { head, is_text: false, of_solver: false, cell }
-    }
-
-    const fn of_solver(self) -> Self {
-        Self { of_solver: true, ..self }
-    }
-}
-
-const COLUMNS: [Column; 13] = [
-    Column::text("mesh", |r| Some(r.mesh.clone())),
-    Column::number("triangles", |r| r.size.map(|s| s.triangles.to_string())),
-    Column::text("result", |r| Some(result_word(r))),
-    Column::number("passes", |r| r.run.as_ref().map(|run| run.iterations.to_string())).of_solver(),
-    Column::number("residual", |r| r.run.as_ref()?.constraint_residual.map(|x| significant(x, RESIDUAL_DIGITS)))
-        .of_solver(),
-    Column::text("layout", |r| r.run.as_ref().map(|run| run.layout.to_string())).of_solver(),
-    Column::number("flips", |r| metrics(r).map(|m| m.flips.to_string())),
-    Column::number("collapsed", |r| metrics(r).map(|m| m.collapsed.to_string())),
-    Column::number("F/3nt", |r| metrics(r).map(|m| significant(m.f, DIGITS))),
-    Column::number("stretch L2", |r| metrics(r).map(|m| significant(m.stretch_l2, DIGITS + 1))),
-    Column::number("L∞", |r| metrics(r).map(|m| significant(m.stretch_linf, DIGITS))),
-    Column::number("time", |r| r.timings_s.map(|t| seconds(t.total))),
-    Column::number("MB", |r| r.peak_memory_bytes.map(megabytes)),
-];
-
-fn metrics(record: &Record) -> Option<&Metrics> {
-    record.quality.as_ref().map(Quality::metrics)
-}
-
-/// One word, or two, on how it went.
-fn result_word(record: &Record) -> String {
-    if let Some(failure) = &record.error {
-        return format!("error: {}", failure.kind);
-    }
-    let valid = record.quality.as_ref().is_some_and(|quality| quality.valid);
-    let termination = record.run.as_ref().map(|run| run.termination.to_string());
-    match (termination, valid) {
-        (Some(word), true) => word,
-        (Some(word), false) => format!("{word}, not valid"),
-        (None, true) => "valid".to_owned(),
-        (None, false) => "not valid".to_owned(),
-    }
 }

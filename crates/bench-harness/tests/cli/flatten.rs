@@ -5,7 +5,7 @@ use crate::surfaces;
 use serde_json::Value;
 use std::process::Stdio;
 
-const FIELDS: [&str; 28] = [
+const FIELDS: [&str; 35] = [
     "mesh",
     "triangles",
     "vertices",
@@ -28,6 +28,13 @@ const FIELDS: [&str; 28] = [
     "constraint_residual",
     "iterations",
     "inner_iterations",
+    "inner_residual",
+    "inner_estimate",
+    "negative_curvature",
+    "fallbacks",
+    "energy",
+    "kkt",
+    "inner_unconverged",
     "moved_angles",
     "switched_rings",
     "layout",
@@ -35,8 +42,15 @@ const FIELDS: [&str; 28] = [
     "notes",
     "peak_memory_bytes",
 ];
-const SETTINGS: [&str; 9] = [
+const SETTINGS: [&str; 16] = [
     "passes",
+    "wheel",
+    "hessian",
+    "line_search",
+    "reduction",
+    "preconditioner",
+    "max_inner_iterations",
+    "inner_tolerance",
     "layout",
     "ring_switch",
     "angle_bound",
@@ -160,7 +174,8 @@ fn the_settings_reach_the_json() {
                    --max-iterations 7 --time-limit 90 --normalize --threads 2 --json -";
     let settings = run_on(options, &[&fixture("pyramid")]).result()["settings"].clone();
     let expected = serde_json::json!({
-        "passes": 3, "layout": "poisson", "ring_switch": null, "angle_bound": 0.01, "tolerance": 1e-6,
+        "passes": 3, "wheel": null, "hessian": null, "line_search": null, "reduction": null,
+        "preconditioner": null, "max_inner_iterations": null, "inner_tolerance": null, "layout": "poisson", "ring_switch": null, "angle_bound": 0.01, "tolerance": 1e-6,
         "max_iterations": 7, "time_limit_s": 90.0, "normalize": true, "threads": 2
     });
     assert_eq!(settings, expected);

@@ -1,6 +1,8 @@
 //! Ctrl-C.
 
 use crate::support::{Folder, Ran, fixture, program};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
@@ -21,13 +23,22 @@ fn wait_until_it_listens(child: &Child) {
         let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"))?.trim().to_owned();
         Some(u64::from_str_radix(&caught, 16).ok()? & SIGINT_BIT != 0)
     };
-    for _ in 0..100 {
-        if listens() == Some(true) {
-            return;
-        }
+    wait_until(|| listens() == Some(true), "the program listens to Ctrl-C");
+}
+
+fn wait_until(is_so: impl Fn() -> bool, what: &str) {
+    let is_so_in_time = (0..100).any(|_| {
         thread::sleep(MOMENT / 10);
-    }
-    panic!("the program does not listen to Ctrl-C");
+        is_so()
+    });
+    assert!(is_so_in_time, "{what}");
+}
+
+/// A pipe that nobody writes to: the program that reads it waits in a place that cannot be cancelled.
+fn pipe(folder: &Folder) -> PathBuf {
+    let pipe = folder.path("pipe.obj");
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is there").success());
+    pipe
 }
 
 #[test]
@@ -55,9 +66,7 @@ fn ctrl_c_keeps_the_best_angles_so_far() {
 #[test]
 fn a_second_ctrl_c_leaves_at_once_and_leaves_no_file() {
     let folder = Folder::new();
-    // A pipe that nobody writes to: the program waits in a place that cannot be cancelled.
-    let pipe = folder.path("pipe.obj");
-    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is there").success());
+    let pipe = pipe(&folder);
     let mut command = program();
     command.arg(&pipe).arg("-o").arg(folder.path("out.obj"));
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
@@ -69,4 +78,52 @@ fn a_second_ctrl_c_leaves_at_once_and_leaves_no_file() {
     assert_eq!(ran.code, 130, "{}", ran.stderr);
     assert!(ran.stderr.contains("once more to leave at once"), "{}", ran.stderr);
     assert_eq!(folder.count(), 1, "the pipe only");
+}
+
+/// A comparison whose second mesh is a pipe, waiting there with the first one done.
+fn comparison_at_the_pipe(folder: &Folder, pipe: &Path) -> Child {
+    let mut command = program();
+    command.args(["compare", "--solver", "linabf,lscm", "--repeats", "2"]);
+    for (option, name) in [("--json", "a.json"), ("--csv", "a.csv"), ("--markdown", "a.md")] {
+        command.arg(option).arg(folder.path(name));
+    }
+    command.args([&fixture("obtuse"), pipe, &fixture("roll")]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    wait_until(|| folder.path("a.md").exists(), "the first mesh is done");
+    child
+}
+
+fn assert_the_first_mesh_is_kept(folder: &Folder) {
+    let text = std::fs::read_to_string(folder.path("a.json")).expect("written");
+    let json: Value = serde_json::from_str(&text).expect("whole");
+    let results = json["results"].as_array().expect("a list");
+    assert_eq!(results.len(), 2, "{text}");
+    assert!(results.iter().all(|result| result["f"].is_number() && result["mesh"] != "pipe.obj"), "{text}");
+    assert_eq!(std::fs::read_to_string(folder.path("a.csv")).expect("written").lines().count(), 3);
+    assert_eq!(folder.count(), 4, "the pipe and three whole files");
+}
+
+#[test]
+fn a_comparison_that_is_killed_keeps_the_meshes_that_were_done() {
+    let folder = Folder::new();
+    let pipe = pipe(&folder);
+    let mut child = comparison_at_the_pipe(&folder, &pipe);
+    child.kill().expect("it runs");
+    child.wait().expect("it ends");
+    assert_the_first_mesh_is_kept(&folder);
+}
+
+#[test]
+fn a_comparison_that_is_cancelled_keeps_the_meshes_that_were_done() {
+    let folder = Folder::new();
+    let pipe = pipe(&folder);
+    let child = comparison_at_the_pipe(&folder, &pipe);
+    interrupt(&child);
+    thread::sleep(MOMENT);
+    // What it waits for comes after all, but nobody wants the result any more.
+    std::fs::copy(fixture("pyramid"), &pipe).expect("written");
+    let ran = Ran::new(child.wait_with_output().expect("it ends"));
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("cancelled: 1 of 3 meshes are done"), "{}", ran.stderr);
+    assert_the_first_mesh_is_kept(&folder);
 }

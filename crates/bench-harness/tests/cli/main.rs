@@ -1,5 +1,6 @@
 //! The program as it is used: the real binary, real files, exit codes and streams.
 
+mod compare;
 mod fixtures;
 mod flatten;
 #[cfg(target_os = "linux")]
@@ -7,5 +8,6 @@ mod interrupt;
 mod metrics;
 mod models;
 mod refusals;
+mod solvers;
 mod support;
 mod surfaces;

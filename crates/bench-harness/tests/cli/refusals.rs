@@ -106,7 +106,9 @@ fn assert_usage_error(ran: &Ran, part: &str) {
 
 #[test]
 fn solvers_that_do_not_exist_are_refused_with_those_that_do() {
-    assert_usage_error(&run(["--solver", "uzawa"]), "linabf, lscm");
+    assert_usage_error(&run(["--solver", "slim"]), "linabf, abf, abf++, abf-newton, abf-fixed-target");
+    assert_usage_error(&run(["--solver", "lscm,slim"]), "minres, lscm, all");
+    assert_usage_error(&run(["--solver", "lscm,lscm"]), "named twice");
 }
 
 #[test]
@@ -123,7 +125,26 @@ fn settings_out_of_range_are_refused_before_any_file_is_read() {
         ("--threads 0", "--threads"),
         ("--threads 100000", "1024"),
         ("--solver lscm --layout tree", "cannot use the layout 'tree'"),
+        ("--solver uzawa --wheel product", "the exact Hessian of the product wheel is not diagonal"),
+        ("--solver abf --wheel sum", "product, log"),
+        ("--solver uzawa --max-inner-iterations 0", "max_inner_iterations must be at least 1"),
+        ("--solver uzawa --inner-tolerance 2", "inner_tolerance must be in (0, 1)"),
+        ("--solver minres --inner-tolerance tight", "'auto'"),
         ("--frobnicate", "--frobnicate"),
+    ] {
+        assert_usage_error(&run_on(options, &[Path::new("missing.obj")]), part);
+    }
+}
+
+#[test]
+fn options_that_mean_nothing_to_the_solver_are_refused_with_those_they_concern() {
+    for (options, part) in [
+        ("--solver abf++ --passes 3", "--passes means nothing to abf++: leave it out, or choose from linabf"),
+        ("--wheel log", "--wheel means nothing to linabf"),
+        ("--solver lscm --tolerance 1e-6", "--tolerance means nothing to lscm"),
+        ("--solver abf-newton --preconditioner none", "choose from uzawa, minres"),
+        ("--solver linabf,lscm --hessian exact", "--hessian means nothing to linabf, lscm"),
+        ("compare --solver abf++ --reduction none", "--reduction means nothing to abf++"),
     ] {
         assert_usage_error(&run_on(options, &[Path::new("missing.obj")]), part);
     }
@@ -137,9 +158,13 @@ fn outputs_that_make_no_sense_are_refused_before_any_file_is_read() {
     assert_usage_error(&run_on("-o out.stl", &[&mesh]), ".obj or .ply");
     assert_usage_error(&run_on("-o out.obj", &[&mesh, &mesh]), "takes one mesh");
     assert_usage_error(&run_on("--png out.png", &[&mesh, &mesh]), "takes one mesh");
-    assert_usage_error(&run_on(&format!("-o {shown}"), &[&mesh]), "would replace the mesh");
-    assert_usage_error(&run_on(&format!("--json {shown}"), &[&mesh]), "would replace the mesh");
+    assert_usage_error(&run_on(&format!("-o {shown}"), &[&mesh]), "would replace the file");
+    assert_usage_error(&run_on(&format!("--json {shown}"), &[&mesh]), "would replace the file");
     assert_usage_error(&run_on("--json a --png a", &[&mesh]), "the same file");
+    assert_usage_error(&run_on("--json a --history a", &[&mesh]), "the same file");
+    for option in ["-o out.obj", "--png out.png"] {
+        assert_usage_error(&run_on(&format!("--solver all {option}"), &[&mesh]), "takes one solver, and there are 8");
+    }
     assert_eq!(std::fs::read_to_string(&mesh).expect("still there"), surfaces::pyramid());
 }
 

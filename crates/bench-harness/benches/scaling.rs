@@ -1,0 +1,82 @@
+//! How LinABF grows: seconds and bytes from 10K to 1M triangles, with the fitted exponents.
+
+mod support;
+
+use abf::{Pipeline, Silent};
+use abf_shapes::{Shape, loop_subdivide};
+use peak_alloc::PeakAlloc;
+use support::{Model, Table, fixture, models, once, seconds};
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+/// The sizes of the round bumpy disk.
+const DISKS: [usize; 5] = [10_000, 30_000, 100_000, 300_000, 1_000_000];
+/// A model is subdivided up to this many triangles.
+const LARGEST: usize = 1_000_000;
+
+fn main() {
+    let mut table = Table::new(
+        "scaling",
+        "LinABF, passes until 1e-8, mesh in memory to UVs",
+        &[
+            "mesh",
+            "triangles",
+            "seconds",
+            "passes",
+            "inner iterations",
+            "µs per triangle",
+            "bytes per triangle",
+            "exponent of time",
+            "exponent of memory",
+        ],
+    );
+    let disks = DISKS.map(|n| Model { name: "fat-disk".to_owned(), mesh: Shape::FatDisk.mesh(n) });
+    measure(&mut table, disks.into_iter());
+    let model = models(&["bull"]).pop().unwrap_or_else(|| fixture("mask"));
+    measure(
+        &mut table,
+        std::iter::successors(Some(model), |model| {
+            let mesh = (4 * model.mesh.face_count() <= LARGEST).then(|| loop_subdivide(&model.mesh))?;
+            Some(Model { name: format!("{}, subdivided", model.name.trim_end_matches(", subdivided")), mesh })
+        }),
+    );
+    table.finish();
+}
+
+/// One row per mesh; the last one has the exponents fitted over all of them.
+fn measure(table: &mut Table, meshes: impl Iterator<Item = Model>) {
+    let (mut times, mut bytes) = (Vec::new(), Vec::new());
+    for Model { name, mesh } in meshes {
+        let before = ALLOCATOR.current_usage();
+        ALLOCATOR.reset_peak_usage();
+        let (time, flat) = once(|| Pipeline::default().run(&mesh, &mut Silent).expect("a flattening"));
+        let peak = ALLOCATOR.peak_usage() - before;
+        let (size, solution) = (mesh.face_count() as f64, flat.solution.expect("angles"));
+        times.push((size.ln(), time.ln()));
+        bytes.push((size.ln(), (peak as f64).ln()));
+        table.push(vec![
+            name,
+            mesh.face_count().to_string(),
+            seconds(time),
+            format!("{} ({})", solution.iterations(), solution.termination()),
+            solution.inner_iterations().to_string(),
+            format!("{:.1}", time / size * 1e6),
+            format!("{:.0}", peak as f64 / size),
+            exponent(&times),
+            exponent(&bytes),
+        ]);
+    }
+}
+
+/// The slope of the least squares line through points of a log-log plot, from three points on.
+fn exponent(points: &[(f64, f64)]) -> String {
+    if points.len() < 3 {
+        return "–".to_owned();
+    }
+    let n = points.len() as f64;
+    let (mean_x, mean_y) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
+    let covariance: f64 = points.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
+    let variance: f64 = points.iter().map(|p| (p.0 - mean_x).powi(2)).sum();
+    format!("{:.2}", covariance / variance)
+}

@@ -1,0 +1,66 @@
+//! Which meshes are meant.
+
+use crate::errors::Failure;
+use abf_mesh::io::MeshFormat;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The meshes that are named, in order, and in the place of a folder all below it, sorted. What is
+/// hidden is left out, and so are links to folders, which could go round in circles.
+///
+/// # Errors
+/// A folder that cannot be read, or that has no mesh.
+pub(super) fn find(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut found = Vec::new();
+    for path in named {
+        if path.is_dir() {
+            let mut below = Vec::new();
+            add_below(path, &mut below)?;
+            if below.is_empty() {
+                return Err(Failure::no_meshes(path));
+            }
+            below.sort();
+            found.append(&mut below);
+        } else {
+            found.push(path.clone());
+        }
+    }
+    Ok(found)
+}
+
+fn add_below(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
+    let unreadable = |error| Failure::unreadable(folder, &error);
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        let entry = entry.map_err(unreadable)?;
+        let (path, kind) = (entry.path(), entry.file_type().map_err(unreadable)?);
+        if entry.file_name().as_encoded_bytes().starts_with(b".") {
+            continue;
+        }
+        if kind.is_dir() {
+            add_below(&path, found)?;
+        } else if MeshFormat::from_path(&path).is_some() && path.is_file() {
+            found.push(path);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_stands_for_every_mesh_below_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        for name in ["b/inner", ".hidden", "empty"] {
+            fs::create_dir_all(at(name)).expect("a folder");
+        }
+        for name in ["c.obj", "a.PLY", "b/inner/z.stl", "b/notes.txt", ".hidden/x.obj"] {
+            fs::write(at(name), "").expect("written");
+        }
+        let found = find(&[at("missing.obj"), folder.path().to_owned()]).expect("meshes");
+        assert_eq!(found, [at("missing.obj"), at("a.PLY"), at("b/inner/z.stl"), at("c.obj")]);
+        assert_eq!(find(&[at("empty")]).unwrap_err().kind, "no-meshes");
+    }
+}

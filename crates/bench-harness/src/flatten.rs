@@ -1,0 +1,121 @@
+//! The command that flattens: one mesh or several, with one solver or several.
+
+use crate::cancel::Cancel;
+use crate::errors::Failure;
+use crate::history::{self, History};
+use crate::load::{Loaded, unusable};
+use crate::record::{Outcome, Record, to_json};
+use crate::run::{self, Flattened};
+use crate::settings::Settings;
+use crate::show::show;
+use crate::source::Source;
+use crate::{console, files, table};
+use abf_mesh::{TriMesh, UvMap, io};
+use abf_report::{PictureStyle, picture};
+use std::path::Path;
+use std::time::Instant;
+
+/// Flattens every mesh asked for.
+pub(crate) fn flatten(settings: &Settings) -> Outcome {
+    let cancel = Cancel::on_ctrl_c();
+    let mut runs = Vec::new();
+    let by_mesh: Vec<Vec<Record>> = settings
+        .sources
+        .iter()
+        .map(|source| match settings.is_comparison() {
+            true => with_all(source, settings, &cancel, &mut runs),
+            false => vec![with_one(source, settings, &cancel, &mut runs)],
+        })
+        .collect();
+    let table = match settings.is_comparison() {
+        true => by_mesh.iter().map(|records| table::of_solvers(records)).collect::<Vec<_>>().join("\n"),
+        false => table::of_meshes(&by_mesh.concat()),
+    };
+    let records = by_mesh.concat();
+    let shown = show(&table, || to_json(&records), settings.json.as_ref());
+    let noted = match &settings.history {
+        Some(path) => files::replace(path, history::to_json(&runs).as_bytes()),
+        None => Ok(()),
+    };
+    let worst = records.iter().map(Record::outcome).max().unwrap_or(Outcome::AsAsked);
+    [shown, noted].into_iter().filter_map(Result::err).fold(worst, |_, failure| {
+        console::failure(&failure);
+        Outcome::Failed
+    })
+}
+
+/// Flattens one mesh with every solver asked for. What they have to say stands below their table.
+fn with_all(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Vec<History>) -> Vec<Record> {
+    let loaded = match Loaded::read(source, cancel) {
+        Ok(loaded) => loaded,
+        Err(failure) => {
+            console::failure(&failure);
+            return vec![unusable(source.name(), failure)];
+        }
+    };
+    let mut records = Vec::new();
+    for method in &settings.methods {
+        let Flattened { record, history, mesh_is_unusable, .. } =
+            run::flatten(&loaded, method, settings.history.is_some(), cancel);
+        if let (true, Some(failure)) = (mesh_is_unusable, &record.error) {
+            console::failure(failure);
+            return vec![record];
+        }
+        runs.extend(history);
+        records.push(record);
+    }
+    records
+}
+
+/// Flattens one mesh with one solver and writes what is asked for. Whatever goes wrong is in the
+/// record and on stderr.
+fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Vec<History>) -> Record {
+    let record = match Loaded::read(source, cancel) {
+        Ok(loaded) => {
+            let method = &settings.methods[0];
+            let Flattened { mut record, uv, history, .. } =
+                run::flatten(&loaded, method, settings.history.is_some(), cancel);
+            if let Some(uv) = uv.filter(|_| record.error.is_none()) {
+                record.error = write_files(settings, &loaded.mesh, &uv, &mut record).err();
+            }
+            runs.extend(history);
+            record
+        }
+        Err(failure) => unusable(source.name(), failure),
+    };
+    if let Some(failure) = &record.error {
+        console::failure(failure);
+    }
+    if let Some(hint) = &record.hint {
+        console::hint(&record.mesh, hint);
+    }
+    record
+}
+
+/// Writes the mesh and the picture. One file that cannot be written does not keep the other from
+/// being tried.
+fn write_files(settings: &Settings, mesh: &TriMesh, uv: &UvMap, record: &mut Record) -> Result<(), Failure> {
+    let begin = Instant::now();
+    let written = settings.output.as_deref().map_or(Ok(()), |path| write(path, mesh, uv));
+    if let (Some(timings), true) = (&mut record.timings_s, settings.output.is_some()) {
+        timings.write = begin.elapsed().as_secs_f64();
+        timings.total += timings.write;
+    }
+    let drawn = settings.png.as_deref().map_or(Ok(()), |path| draw(path, mesh, uv));
+    for (path, result) in [(&settings.output, &written), (&settings.png, &drawn)] {
+        record.written.extend(path.as_ref().filter(|_| result.is_ok()).map(|path| path.display().to_string()));
+    }
+    if let (Err(_), Err(failure)) = (&written, &drawn) {
+        console::failure(failure);
+    }
+    written.and(drawn)
+}
+
+fn write(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {
+    io::write(path, mesh, Some(uv)).map_err(|error| Failure::write(path, &error))
+}
+
+fn draw(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {
+    let png = picture(mesh, uv, &PictureStyle::default()).map_err(|error| Failure::picture(path, &error))?;
+    files::replace(path, &png)
+}

@@ -1,0 +1,306 @@
+//! From the options of the solvers to one pipeline for each solver.
+
+use crate::args::{MethodArgs, SolverChoice, names};
+use crate::errors;
+use abf::mesh::{Point3, TriMesh};
+use abf::solve_core::SolveError;
+use abf::{
+    EstimateSettings, FlattenError, IterativeSettings, LayoutSettings, NewtonSettings, Pipeline, SolverKind,
+    StopCriteria,
+};
+use abf_solve_abf_newton::AbfNewton;
+use abf_solve_minres::Minres;
+use abf_solve_uzawa::Uzawa;
+use clap::error::ErrorKind;
+use std::time::Duration;
+
+/// Above so many triangles the LU factorisation of the whole matrix takes minutes and gigabytes; who
+/// wants to wait for it names the solver.
+const MOST_TRIANGLES_OF_ABF: usize = 20_000;
+
+/// One solver with its settings.
+#[derive(Clone, Debug)]
+pub(crate) struct Method {
+    /// How to flatten.
+    pub(crate) pipeline: Pipeline,
+    /// Larger meshes are left out, because nobody asked for this solver by name.
+    most_triangles: Option<usize>,
+    /// Why it cannot run at all with these settings.
+    unsupported: Option<String>,
+}
+
+/// Why a solver was not run on a mesh.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub(crate) struct NotRun {
+    /// A word or two for tables and programs.
+    pub(crate) kind: &'static str,
+    /// The whole sentence.
+    pub(crate) message: String,
+}
+
+impl Method {
+    /// Why this mesh is not given to the solver, if it is not.
+    pub(crate) fn not_run(&self, mesh: &TriMesh) -> Option<NotRun> {
+        if let Some(message) = &self.unsupported {
+            return Some(NotRun { kind: "settings", message: message.clone() });
+        }
+        let triangles = mesh.face_count();
+        let limit = self.most_triangles.filter(|&limit| triangles > limit)?;
+        let solver = self.pipeline.solver;
+        let message = format!(
+            "the LU factorisation of its 5 nt = {} unknowns takes long; above {limit} triangles it runs only when \
+             asked for with --solver {solver}",
+            5 * triangles
+        );
+        Some(NotRun { kind: "too large", message })
+    }
+}
+
+/// Checks the options and makes one method of each solver.
+///
+/// # Errors
+/// A usage error: an option that concerns none of the solvers, or a setting out of range. Settings
+/// that go with some solvers but not with others are an error only where there is one solver.
+pub(crate) fn methods(choice: &SolverChoice, args: &MethodArgs) -> Result<Vec<Method>, clap::Error> {
+    let kinds = choice.kinds();
+    check_concerns(&kinds, args)?;
+    let pipeline = pipeline(args)?;
+    let method = |&solver: &SolverKind| {
+        let pipeline = Pipeline { solver, ..pipeline };
+        let is_left_out = solver == SolverKind::Abf && *choice == SolverChoice::All;
+        let unsupported = match try_out(&pipeline) {
+            Ok(()) => None,
+            Err(Refusal::Combination(message)) if kinds.len() > 1 => Some(message),
+            Err(Refusal::Combination(message) | Refusal::Setting(message)) => {
+                return Err(usage(ErrorKind::ValueValidation, message));
+            }
+        };
+        Ok(Method { pipeline, most_triangles: is_left_out.then_some(MOST_TRIANGLES_OF_ABF), unsupported })
+    };
+    kinds.iter().map(method).collect()
+}
+
+/// A usage error.
+pub(crate) fn usage(kind: ErrorKind, message: impl std::fmt::Display) -> clap::Error {
+    use clap::CommandFactory;
+    crate::args::Args::command().error(kind, message)
+}
+
+/// Whether a solver solves for angles at all.
+pub(crate) fn finds_angles(solver: SolverKind) -> bool {
+    solver != SolverKind::Lscm
+}
+
+/// Whether a solver makes passes, with a target that moves.
+pub(crate) fn makes_passes(solver: SolverKind) -> bool {
+    solver == SolverKind::LinAbf
+}
+
+/// Whether a solver's steps are solved by iterations.
+pub(crate) fn iterates_inside(solver: SolverKind) -> bool {
+    matches!(solver, SolverKind::Uzawa | SolverKind::Minres)
+}
+
+/// The point of the grid that a solver with a fixed target has by name; `None` for the others.
+fn named_point(solver: SolverKind) -> Option<NewtonSettings> {
+    match solver {
+        SolverKind::Abf => Some(AbfNewton::abf().newton),
+        SolverKind::AbfPlusPlus => Some(AbfNewton::abf_plus_plus().newton),
+        SolverKind::AbfNewton => Some(AbfNewton::exact_newton().newton),
+        SolverKind::AbfFixedTarget => Some(AbfNewton::fixed_target().newton),
+        SolverKind::Uzawa => Some(Uzawa::default().newton),
+        SolverKind::Minres => Some(Minres::default().newton),
+        _ => None,
+    }
+}
+
+/// The point of the grid that a pipeline runs; `None` where there is no fixed target.
+pub(crate) fn newton(pipeline: &Pipeline) -> Option<NewtonSettings> {
+    named_point(pipeline.solver).map(|named| NewtonSettings {
+        wheel: pipeline.wheel.unwrap_or(named.wheel),
+        hessian: pipeline.hessian.unwrap_or(named.hessian),
+        line_search: pipeline.line_search,
+        bounds: pipeline.bounds,
+        inner_tolerance: pipeline.inner_tolerance,
+    })
+}
+
+/// An option that concerns some solvers only.
+struct Offer {
+    name: &'static str,
+    is_given: bool,
+    concerns: fn(SolverKind) -> bool,
+}
+
+/// Every option that concerns some solvers only.
+fn offers(args: &MethodArgs) -> [Offer; 13] {
+    let of = |concerns: fn(SolverKind) -> bool| move |name, is_given| Offer { name, is_given, concerns };
+    let (angles, passes, inner) = (of(finds_angles), of(makes_passes), of(iterates_inside));
+    let fixed_target = of(|solver| named_point(solver).is_some());
+    [
+        angles("--ring-switch", args.ring_switch.is_some()),
+        angles("--angle-bound", args.angle_bound.is_some()),
+        angles("--tolerance", args.tolerance.is_some()),
+        angles("--max-iterations", args.max_iterations.is_some()),
+        angles("--time-limit", args.time_limit.is_some()),
+        passes("--passes", args.passes.is_some()),
+        fixed_target("--wheel", args.wheel.is_some()),
+        fixed_target("--hessian", args.hessian.is_some()),
+        fixed_target("--line-search", args.line_search.is_some()),
+        inner("--reduction", args.reduction.is_some()),
+        inner("--preconditioner", args.preconditioner.is_some()),
+        inner("--max-inner-iterations", args.max_inner_iterations.is_some()),
+        inner("--inner-tolerance", args.inner_tolerance.is_some()),
+    ]
+}
+
+/// Refuses options that mean nothing to any of the solvers.
+fn check_concerns(solvers: &[SolverKind], args: &MethodArgs) -> Result<(), clap::Error> {
+    let is_void = |offer: &Offer| offer.is_given && !solvers.iter().any(|&solver| (offer.concerns)(solver));
+    let Some(Offer { name, concerns, .. }) = offers(args).into_iter().find(is_void) else { return Ok(()) };
+    let concerned: Vec<SolverKind> = SolverKind::ALL.into_iter().filter(|&solver| concerns(solver)).collect();
+    let (asked, concerned) = (names(solvers).join(", "), names(&concerned).join(", "));
+    let message = format!("{name} means nothing to {asked}: leave it out, or choose from {concerned}");
+    Err(usage(ErrorKind::ArgumentConflict, message))
+}
+
+/// The settings for all solvers; each reads those that concern it.
+fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
+    let (estimate, stop) = (EstimateSettings::default(), StopCriteria::default());
+    let iterative = IterativeSettings::default();
+    Ok(Pipeline {
+        passes: args.passes.unwrap_or_default(),
+        wheel: args.wheel,
+        hessian: args.hessian,
+        line_search: args.line_search.unwrap_or_default(),
+        inner_tolerance: args.inner_tolerance.map(|accuracy| accuracy.0).unwrap_or_default(),
+        iterative: IterativeSettings {
+            reduction: args.reduction.unwrap_or_default(),
+            preconditioner: args.preconditioner.unwrap_or_default(),
+            max_inner_iterations: args.max_inner_iterations.unwrap_or(iterative.max_inner_iterations),
+        },
+        estimate: EstimateSettings {
+            ring_switch: args.ring_switch.map_or(estimate.ring_switch, |given| given.0),
+            angle_bound: args.angle_bound.unwrap_or(estimate.angle_bound),
+        },
+        stop: StopCriteria {
+            tolerance: args.tolerance.unwrap_or(stop.tolerance),
+            max_iterations: args.max_iterations.unwrap_or(stop.max_iterations),
+            time_limit: args.time_limit.map(seconds).transpose()?,
+            ..stop
+        },
+        layout: LayoutSettings { kind: args.layout, ..LayoutSettings::default() },
+        normalize: args.normalize,
+        ..Pipeline::default()
+    })
+}
+
+fn seconds(limit: f64) -> Result<Duration, clap::Error> {
+    let message = || format!("--time-limit must be a number of seconds, at least 0, got {limit}");
+    Duration::try_from_secs_f64(limit).map_err(|_| usage(ErrorKind::ValueValidation, message()))
+}
+
+/// Why the library does not take settings.
+enum Refusal {
+    /// One is out of range, whatever the solver.
+    Setting(String),
+    /// They do not go with this solver.
+    Combination(String),
+}
+
+/// Asks the library whether it takes these settings, on a mesh of one triangle: its rules are not
+/// repeated here, and no file is read in vain.
+fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
+    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from).to_vec();
+    let triangle = TriMesh::new(points, &[[0, 1, 2]]).expect("indices in range");
+    match pipeline.run(&triangle, &mut abf::Silent) {
+        Ok(_) => Ok(()),
+        Err(FlattenError::Solve { source: error @ SolveError::Unsupported(_), .. }) => {
+            Err(Refusal::Combination(error.to_string()))
+        }
+        Err(error @ FlattenError::LscmLayout(_)) => Err(Refusal::Combination(error.to_string())),
+        Err(error) => Err(Refusal::Setting(errors::chain(&error))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Args, FlattenArgs};
+    use clap::{CommandFactory, Parser};
+
+    fn typed(options: &str) -> FlattenArgs {
+        Args::try_parse_from(["bench-harness"].into_iter().chain(options.split_whitespace())).expect("usage").flatten
+    }
+
+    fn methods_of(options: &str) -> Result<Vec<Method>, clap::Error> {
+        let args = typed(options);
+        methods(&args.solver, &args.method)
+    }
+
+    #[test]
+    fn every_option_of_some_solvers_stands_under_a_heading_that_names_them() {
+        for argument in Args::command().get_arguments() {
+            let Some(heading) = argument.get_help_heading().and_then(|heading| heading.strip_prefix("Options of "))
+            else {
+                continue;
+            };
+            let option = argument.get_long().expect("a long name");
+            let sample = match option {
+                "passes" => "3",
+                "wheel" => "log",
+                "hessian" => "exact",
+                "line-search" => "full",
+                "reduction" | "preconditioner" => "none",
+                "max-iterations" | "max-inner-iterations" => "7",
+                _ => "0.1",
+            };
+            let concerned: Vec<&str> = SolverKind::ALL
+                .into_iter()
+                .filter(|solver| methods_of(&format!("--solver {solver} --{option} {sample}")).is_ok())
+                .map(SolverKind::name)
+                .collect();
+            let every = concerned.len() == SolverKind::ALL.len() - 1 && !concerned.contains(&"lscm");
+            let expected = if every { "every solver but lscm".to_owned() } else { concerned.join(", ") };
+            assert_eq!(heading, expected, "--{option}");
+        }
+    }
+
+    #[test]
+    fn with_all_solvers_every_option_applies_to_those_it_concerns() {
+        let methods = methods_of("--solver all --passes 2 --wheel log --reduction none").expect("methods");
+        assert_eq!(methods.len(), SolverKind::ALL.len());
+        assert!(methods.iter().all(|method| method.unsupported.is_none()));
+    }
+
+    #[test]
+    fn what_goes_with_some_solvers_only_is_an_error_for_one_and_a_row_among_several() {
+        let error = methods_of("--solver uzawa --wheel product").unwrap_err().to_string();
+        assert!(error.contains("exact Hessian of the product wheel"), "{error}");
+        let methods = methods_of("--solver all --wheel product --layout tree").expect("methods");
+        let unsupported: Vec<&str> =
+            methods.iter().filter(|m| m.unsupported.is_some()).map(|m| m.pipeline.solver.name()).collect();
+        assert_eq!(unsupported, ["uzawa", "minres", "lscm"]);
+    }
+
+    #[test]
+    fn abf_is_left_out_on_large_meshes_unless_it_is_named() {
+        let large = abf_shapes::Shape::BumpySheet.mesh(MOST_TRIANGLES_OF_ABF + 2000);
+        let not_run = |options: &str| {
+            let methods = methods_of(options).expect("methods");
+            methods.iter().filter_map(|m| m.not_run(&large)).map(|n| n.kind).collect::<Vec<_>>()
+        };
+        assert_eq!(not_run("--solver all"), ["too large"]);
+        assert_eq!(not_run("--solver abf,lscm"), [""; 0]);
+    }
+
+    #[test]
+    fn the_point_of_the_grid_is_that_of_the_library() {
+        for solver in SolverKind::ALL {
+            let pipeline = Pipeline { solver, ..Pipeline::default() };
+            let shown = pipeline.angle_solver().map(|solver| solver.name());
+            assert_eq!(shown.is_some(), finds_angles(solver));
+            assert_eq!(newton(&pipeline).is_some(), finds_angles(solver) && !makes_passes(solver), "{solver}");
+        }
+    }
+}

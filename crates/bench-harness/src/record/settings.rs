@@ -1,0 +1,108 @@
+//! The settings of a run, as they are in the JSON.
+
+use super::as_text;
+use crate::args::InnerAccuracy;
+use crate::methods::{finds_angles, iterates_inside, makes_passes, newton};
+use abf::solve_core::InnerTolerance;
+use abf::{Hessian, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, WheelForm};
+use serde::{Serialize, Serializer};
+
+/// The settings. What does not concern the solver is `None`, but for those every run has.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Asked {
+    /// A number or `"auto"`.
+    #[serde(serialize_with = "passes_as_number_or_text")]
+    pub(crate) passes: Option<Passes>,
+    /// The form of the wheel condition.
+    #[serde(serialize_with = "as_optional_text")]
+    pub(crate) wheel: Option<WheelForm>,
+    /// The second derivatives.
+    #[serde(serialize_with = "as_optional_text")]
+    pub(crate) hessian: Option<Hessian>,
+    /// How the length of a step is chosen.
+    #[serde(serialize_with = "as_optional_text")]
+    pub(crate) line_search: Option<LineSearch>,
+    /// What the inner method iterates on.
+    #[serde(serialize_with = "as_optional_text")]
+    pub(crate) reduction: Option<Reduction>,
+    /// Its preconditioner.
+    #[serde(serialize_with = "as_optional_text")]
+    pub(crate) preconditioner: Option<PreconditionerKind>,
+    /// Its iterations in one outer iteration.
+    pub(crate) max_inner_iterations: Option<usize>,
+    /// Relative; a number or `"auto"`.
+    #[serde(serialize_with = "accuracy_as_number_or_text")]
+    pub(crate) inner_tolerance: Option<InnerAccuracy>,
+    /// Which layout; `auto` where the program may choose.
+    #[serde(serialize_with = "as_text")]
+    pub(crate) layout: LayoutKind,
+    /// Radians; `None` for off.
+    pub(crate) ring_switch: Option<f64>,
+    /// Radians.
+    pub(crate) angle_bound: f64,
+    /// Radians.
+    pub(crate) tolerance: f64,
+    /// Outer iterations; passes with `auto`.
+    pub(crate) max_iterations: usize,
+    /// Seconds; `None` for no limit.
+    pub(crate) time_limit_s: Option<f64>,
+    /// Whether the UVs are scaled into the unit square.
+    pub(crate) normalize: bool,
+    /// Threads in use.
+    pub(crate) threads: usize,
+    /// Whether these settings find angles at all: not in the JSON, where the solver's name says it.
+    #[serde(skip)]
+    pub(crate) finds_angles: bool,
+}
+
+impl Asked {
+    /// The settings of a pipeline.
+    pub(crate) fn new(pipeline: &Pipeline) -> Self {
+        let solver = pipeline.solver;
+        let newton = newton(pipeline);
+        let iterative = iterates_inside(solver).then_some(pipeline.iterative);
+        Self {
+            passes: makes_passes(solver).then_some(pipeline.passes),
+            wheel: newton.map(|newton| newton.wheel),
+            hessian: newton.map(|newton| newton.hessian),
+            line_search: newton.map(|newton| newton.line_search),
+            reduction: iterative.map(|iterative| iterative.reduction),
+            preconditioner: iterative.map(|iterative| iterative.preconditioner),
+            max_inner_iterations: iterative.map(|iterative| iterative.max_inner_iterations),
+            inner_tolerance: iterative.map(|_| InnerAccuracy(pipeline.inner_tolerance)),
+            layout: pipeline.layout.kind,
+            ring_switch: pipeline.estimate.ring_switch,
+            angle_bound: pipeline.estimate.angle_bound,
+            tolerance: pipeline.stop.tolerance,
+            max_iterations: pipeline.stop.max_iterations,
+            time_limit_s: pipeline.stop.time_limit.map(|limit| limit.as_secs_f64()),
+            normalize: pipeline.normalize,
+            threads: rayon::current_num_threads(),
+            finds_angles: finds_angles(solver),
+        }
+    }
+}
+
+fn as_optional_text<S: Serializer>(value: &Option<impl std::fmt::Display>, serializer: S) -> Result<S::Ok, S::Error> {
+    match value {
+        Some(value) => as_text(value, serializer),
+        None => serializer.serialize_none(),
+    }
+}
+
+fn passes_as_number_or_text<S: Serializer>(passes: &Option<Passes>, serializer: S) -> Result<S::Ok, S::Error> {
+    match passes {
+        Some(Passes::Exactly(n)) => n.serialize(serializer),
+        other => as_optional_text(other, serializer),
+    }
+}
+
+fn accuracy_as_number_or_text<S: Serializer>(
+    accuracy: &Option<InnerAccuracy>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    match accuracy {
+        Some(InnerAccuracy(InnerTolerance::Fixed(tolerance))) => tolerance.serialize(serializer),
+        other => as_optional_text(other, serializer),
+    }
+}

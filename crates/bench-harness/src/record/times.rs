@@ -1,0 +1,98 @@
+//! Where the time went.
+
+use serde::Serialize;
+
+/// Where the time of one result went, in seconds.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct Timings {
+    /// Reading the file, or making the built-in mesh.
+    pub(crate) read: f64,
+    /// From the mesh to its UVs; the medians of several runs.
+    #[serde(flatten)]
+    pub(crate) stages: Stages,
+    /// Judging the UVs.
+    pub(crate) metrics: f64,
+    /// Writing the mesh.
+    pub(crate) write: f64,
+    /// All of it, from beginning to end. Pictures come after.
+    pub(crate) total: f64,
+}
+
+/// Where the time from the mesh to its UVs went, in seconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub(crate) struct Stages {
+    /// Corner table, disk check, angles of the surface, estimate.
+    pub(crate) topology: f64,
+    /// Solving for the angles.
+    pub(crate) solve: f64,
+    /// From angles to coordinates.
+    pub(crate) layout: f64,
+    /// All three: what solvers are compared by.
+    pub(crate) flatten: f64,
+}
+
+/// The times of runs that were made several times.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Repeats {
+    /// How many were measured; the timings are their medians.
+    pub(crate) count: usize,
+    /// How many were made before and not measured.
+    pub(crate) warmup: usize,
+    /// Whether all of them gave the same bits.
+    pub(crate) identical: bool,
+    /// The least.
+    pub(crate) min_s: Stages,
+    /// The greatest.
+    pub(crate) max_s: Stages,
+}
+
+/// Median, least and greatest of each stage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Spread {
+    /// The middle one; the mean of the middle two.
+    pub(crate) median: Stages,
+    /// The least.
+    pub(crate) min: Stages,
+    /// The greatest.
+    pub(crate) max: Stages,
+}
+
+impl Spread {
+    /// The spread of at least one run.
+    pub(crate) fn of(runs: &[Stages]) -> Self {
+        let each = |pick: fn(&[f64]) -> f64| {
+            let stage = |of: fn(&Stages) -> f64| {
+                let mut seconds: Vec<f64> = runs.iter().map(of).collect();
+                seconds.sort_by(f64::total_cmp);
+                pick(&seconds)
+            };
+            Stages {
+                topology: stage(|s| s.topology),
+                solve: stage(|s| s.solve),
+                layout: stage(|s| s.layout),
+                flatten: stage(|s| s.flatten),
+            }
+        };
+        Self { median: each(median), min: each(|sorted| sorted[0]), max: each(|sorted| sorted[sorted.len() - 1]) }
+    }
+}
+
+fn median(sorted: &[f64]) -> f64 {
+    let middle = sorted.len() / 2;
+    if sorted.len() % 2 == 1 { sorted[middle] } else { f64::midpoint(sorted[middle - 1], sorted[middle]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_spread_is_taken_stage_by_stage() {
+        let run = |solve, layout| Stages { topology: 1.0, solve, layout, flatten: 1.0 + solve + layout };
+        let spread = Spread::of(&[run(5.0, 1.0), run(2.0, 2.0), run(3.0, 9.0)]);
+        assert_eq!(spread.median, Stages { topology: 1.0, solve: 3.0, layout: 2.0, flatten: 7.0 });
+        assert_eq!((spread.min.solve, spread.max.layout), (2.0, 9.0));
+        assert_eq!(Spread::of(&[run(5.0, 1.0), run(2.0, 2.0)]).median.solve, 3.5);
+        assert_eq!(Spread::of(&[run(5.0, 1.0)]).median, run(5.0, 1.0));
+    }
+}

@@ -1,0 +1,23 @@
+//! Tables and JSON, each to its stream.
+
+use crate::errors::Failure;
+use crate::settings::JsonTarget;
+use crate::{console, files};
+
+/// Shows a table and, if asked for, JSON.
+///
+/// # Errors
+/// When a stream or file cannot be written; the other is then tried all the same.
+pub(crate) fn show(table: &str, json: impl Fn() -> String, target: Option<&JsonTarget>) -> Result<(), Failure> {
+    match target {
+        None => console::data(table),
+        Some(JsonTarget::Stdout) => {
+            console::words(table);
+            console::data(&json())
+        }
+        Some(JsonTarget::File(path)) => {
+            let printed = console::data(table);
+            files::replace(path, json().as_bytes()).and(printed)
+        }
+    }
+}

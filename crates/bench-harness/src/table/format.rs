@@ -1,0 +1,69 @@
+//! The formats of a table.
+
+use super::cell::Cell;
+use super::columns::Column;
+use crate::record::Record;
+
+/// The columns and their cells; columns that are optional and empty are left out.
+struct Table<'a> {
+    columns: Vec<&'a Column>,
+    rows: Vec<Vec<Cell>>,
+}
+
+impl<'a> Table<'a> {
+    fn new(columns: impl IntoIterator<Item = &'a Column>, records: &[&Record]) -> Self {
+        let is_shown = |column: &&Column| {
+            !column.is_optional || records.iter().any(|record| (column.cell)(record) != Cell::Nothing)
+        };
+        let columns: Vec<&Column> = columns.into_iter().filter(is_shown).collect();
+        let rows = records.iter().map(|record| columns.iter().map(|column| (column.cell)(record)).collect()).collect();
+        Self { columns, rows }
+    }
+
+    /// Heads and cells as people read them.
+    fn for_people(&self) -> Vec<Vec<String>> {
+        let heads = self.columns.iter().map(|column| column.head.to_owned()).collect();
+        let rows = self.rows.iter().map(|row| row.iter().map(Cell::for_people).collect());
+        std::iter::once(heads).chain(rows).collect()
+    }
+}
+
+/// For the terminal: words to the left, numbers to the right.
+pub(crate) fn aligned<'a>(columns: impl IntoIterator<Item = &'a Column>, records: &[&Record]) -> String {
+    let table = Table::new(columns, records);
+    let rows = table.for_people();
+    let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..table.columns.len()).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).zip(&table.columns).map(|((cell, &width), column)| {
+            if column.is_text { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+        });
+        format!("{}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    rows.iter().map(line).collect()
+}
+
+/// For documents.
+pub(crate) fn markdown<'a>(columns: impl IntoIterator<Item = &'a Column>, records: &[&Record]) -> String {
+    let table = Table::new(columns, records);
+    let mut rows: Vec<Vec<String>> = table.for_people();
+    for cell in rows.iter_mut().flatten() {
+        *cell = cell.replace('\\', "\\\\").replace('|', "\\|").replace('\n', " ");
+    }
+    let rule = table.columns.iter().map(|column| if column.is_text { "---" } else { "---:" }.to_owned()).collect();
+    rows.insert(1, rule);
+    rows.iter().map(|row| format!("| {} |\n", row.join(" | "))).collect()
+}
+
+/// For spreadsheets and programs, as in RFC 4180 but for the line ends.
+pub(crate) fn csv<'a>(columns: impl IntoIterator<Item = &'a Column>, records: &[&Record]) -> String {
+    let table = Table::new(columns, records);
+    let heads = table.columns.iter().map(|column| column.name.to_owned()).collect::<Vec<_>>();
+    let rows = table.rows.iter().map(|row| row.iter().map(|cell| quoted(cell.for_programs())).collect());
+    std::iter::once(heads).chain(rows).map(|row: Vec<String>| row.join(",") + "\n").collect()
+}
+
+fn quoted(cell: String) -> String {
+    let is_plain = !cell.contains([',', '"', '\n', '\r']);
+    if is_plain { cell } else { format!("\"{}\"", cell.replace('"', "\"\"")) }
+}

@@ -1,0 +1,222 @@
+//! How the runs converged: residuals on a logarithmic scale, one line for each run.
+
+use super::chart::{Axis, Frame, Look};
+use super::html::{Html, escape};
+use super::judge::Judgement;
+use super::number::significant;
+
+/// Room for the names at the ends of the lines.
+const LABELS: f64 = 128.0;
+/// The least distance between two names.
+const LINE_HEIGHT: f64 = 14.0;
+/// The longest name at a line, characters; the legend has it in full.
+const LONGEST_LABEL: usize = 15;
+/// The most points of a line: more than are seen.
+const POINTS: usize = 240;
+/// About how many markers a line has.
+const MARKERS: usize = 8;
+/// The decades shown below the largest residual, at most.
+const DECADES: i32 = 20;
+
+/// The residual after every outer iteration; nothing if no run has any.
+pub(crate) fn outer(judgement: &Judgement<'_>) -> String {
+    let series = collect(judgement, |k| judgement.section.runs[k].outer.clone());
+    figure(&series, judgement.section.name, ["outer iteration", "residual"], "Outer iterations")
+}
+
+/// The residual after every inner iteration; nothing if no run has any.
+pub(crate) fn inner(judgement: &Judgement<'_>) -> String {
+    let counted = |residuals: &[f64]| residuals.iter().enumerate().map(|(k, &r)| ((k + 1) as f64, r)).collect();
+    let series = collect(judgement, |k| counted(&judgement.section.runs[k].inner));
+    figure(&series, judgement.section.name, ["inner iteration", "residual"], "Inner iterations")
+}
+
+/// The line of one run.
+struct Series<'a> {
+    label: &'a str,
+    look: Look,
+    /// Iterations and residuals, all of them finite and none negative.
+    points: Vec<(f64, f64)>,
+}
+
+impl Series<'_> {
+    fn last(&self) -> (f64, f64) {
+        self.points[self.points.len() - 1]
+    }
+
+    /// The last residual and its iteration, in words.
+    fn in_words(&self) -> String {
+        let (iteration, residual) = self.last();
+        format!("{} after {iteration}", significant(residual, 2))
+    }
+}
+
+/// The lines of all runs that have one.
+fn collect<'a>(judgement: &'a Judgement<'_>, points: impl Fn(usize) -> Vec<(f64, f64)>) -> Vec<Series<'a>> {
+    let usable = |k: usize| {
+        let mut points = points(k);
+        points.retain(|(iteration, residual)| iteration.is_finite() && residual.is_finite() && *residual >= 0.0);
+        points
+    };
+    let all = judgement.labels.iter().enumerate();
+    all.map(|(k, label)| Series { label, look: Look(k), points: usable(k) }).filter(|s| !s.points.is_empty()).collect()
+}
+
+/// The chart with its legend.
+fn figure(series: &[Series<'_>], mesh: &str, titles: [&str; 2], heading: &str) -> String {
+    if series.is_empty() {
+        return String::new();
+    }
+    let frame = frame(series);
+    let mut plot = String::new();
+    let mut ends = Vec::new();
+    for one in series {
+        let places = thinned(one.points.iter().map(|p| place(&frame, p)).collect());
+        ends.push(places[places.len() - 1]);
+        plot.push_str(&drawn(one, &places));
+    }
+    plot.push_str(&names(series, &ends, &frame));
+    let all: Vec<String> = series.iter().map(|s| format!("{} {}", s.label, s.in_words())).collect();
+    let description = format!("{heading} on {mesh}, last residual and iteration: {}.", all.join("; "));
+    let mut html = Html::default();
+    html.raw("<figure>");
+    html.raw(&frame.chart(&plot, titles, &description));
+    html.raw(&format!(
+        "<figcaption><p>{}: residual on a logarithmic scale.</p>\n{}</figcaption></figure>\n",
+        escape(heading),
+        legend(series)
+    ));
+    html.finish()
+}
+
+/// Axes around all points. A residual of zero, which has no logarithm, lies on the lower end.
+fn frame(series: &[Series<'_>]) -> Frame {
+    let all = || series.iter().flat_map(|s| &s.points);
+    let last = all().map(|p| p.0).fold(0.0, f64::max);
+    let exponents = || all().filter(|p| p.1 > 0.0).map(|p| p.1.log10());
+    let high = exponents().fold(f64::NEG_INFINITY, f64::max).ceil();
+    let high = if high.is_finite() { high as i32 } else { 0 };
+    let low = exponents().fold(f64::INFINITY, f64::min).floor();
+    let low = if low.is_finite() { (low as i32).max(high - DECADES) } else { high - 1 };
+    Frame::new(Axis::counts(last), Axis::decades(low, high), LABELS)
+}
+
+fn place(frame: &Frame, &(iteration, residual): &(f64, f64)) -> [f64; 2] {
+    // The logarithm of zero is −∞, which the axis keeps at its lower end.
+    [frame.x.place(iteration), frame.y.place(residual.log10())]
+}
+
+/// Fewer places, if there are too many: of every run of neighbours the highest and the lowest.
+fn thinned(places: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    if places.len() <= POINTS {
+        return places;
+    }
+    let chunk = places.len().div_ceil(POINTS / 2);
+    let extremes = |chunk: &[[f64; 2]]| {
+        let by_height = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
+        let (Some(high), Some(low)) = (chunk.iter().min_by(by_height), chunk.iter().max_by(by_height)) else {
+            return Vec::new();
+        };
+        let mut two = vec![*high, *low];
+        two.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        two
+    };
+    let last = places[places.len() - 1];
+    places.chunks(chunk).flat_map(extremes).chain([last]).collect()
+}
+
+/// A line with its markers.
+fn drawn(series: &Series<'_>, places: &[[f64; 2]]) -> String {
+    let every = places.len().div_ceil(MARKERS).max(1);
+    // The last place has a marker always: it may be the only one.
+    let markers = places.iter().rev().step_by(every).map(|&place| series.look.marker(place));
+    format!("<g class=\"{}\">{}{}</g>\n", series.look.class(), series.look.line(places), markers.collect::<String>())
+}
+
+/// The names on the right, each as near to the end of its line as the others allow.
+fn names(series: &[Series<'_>], ends: &[[f64; 2]], frame: &Frame) -> String {
+    let heights = spread(&ends.iter().map(|end| end[1]).collect::<Vec<_>>(), frame.vertical());
+    let mut out = String::new();
+    for ((one, end), y) in series.iter().zip(ends).zip(heights) {
+        let x = frame.right() + 14.0;
+        out.push_str(&format!(
+            "<g class=\"{}\"><path class=\"leader\" d=\"M{:.1} {:.1}L{:.1} {y:.1}\"/><text x=\"{:.1}\" y=\"{:.1}\">{}</text></g>\n",
+            one.look.class(), end[0] + 5.0, end[1], x - 3.0, x, y + 4.0, escape(&shortened(one.label))
+        ));
+    }
+    out
+}
+
+/// Heights near the wanted ones, in the same order, at least a line apart, from top to bottom if possible.
+fn spread(wanted: &[f64], [top, bottom]: [f64; 2]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..wanted.len()).collect();
+    order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]));
+    let mut heights = wanted.to_vec();
+    let mut free = top;
+    for &k in &order {
+        heights[k] = heights[k].max(free);
+        free = heights[k] + LINE_HEIGHT;
+    }
+    // What was pushed beyond the bottom pushes the others up again.
+    let mut limit = bottom;
+    for &k in order.iter().rev() {
+        heights[k] = heights[k].min(limit);
+        limit = heights[k] - LINE_HEIGHT;
+    }
+    heights
+}
+
+fn shortened(label: &str) -> String {
+    if label.chars().count() <= LONGEST_LABEL {
+        return label.to_owned();
+    }
+    label.chars().take(LONGEST_LABEL - 1).chain(['…']).collect()
+}
+
+/// Every line with its name and where it ended.
+fn legend(series: &[Series<'_>]) -> String {
+    let mut html = Html::default();
+    html.raw("<ul class=\"lines\">\n");
+    for one in series {
+        html.raw(&format!("<li>{}<span>", one.look.sample()));
+        html.text(&format!("{}: {}", one.label, one.in_words()));
+        html.raw("</span></li>\n");
+    }
+    html.raw("</ul>\n");
+    html.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_keep_their_order_and_a_line_between_them() {
+        let heights = spread(&[100.0, 98.0, 299.0, 300.0], [0.0, 300.0]);
+        assert_eq!(heights, [112.0, 98.0, 286.0, 300.0]);
+    }
+
+    #[test]
+    fn a_long_line_keeps_its_ends_and_its_extremes() {
+        let mut places: Vec<[f64; 2]> = (0..10_000).map(|k| [f64::from(k), 0.0]).collect();
+        places[5_001][1] = 7.0;
+        let fewer = thinned(places);
+        assert!(fewer.len() <= POINTS + 1);
+        assert_eq!((fewer[0], fewer[fewer.len() - 1]), ([0.0, 0.0], [9_999.0, 0.0]));
+        assert!(fewer.contains(&[5_001.0, 7.0]));
+    }
+
+    #[test]
+    fn a_residual_of_zero_lies_on_the_lower_end() {
+        let series = [Series { label: "x", look: Look(0), points: vec![(0.0, 1.0), (1.0, 1e-3), (2.0, 0.0)] }];
+        let frame = frame(&series);
+        let [_, y] = place(&frame, &(2.0, 0.0));
+        assert_eq!(y, frame.vertical()[1]);
+    }
+
+    #[test]
+    fn long_names_are_cut_at_characters() {
+        assert_eq!(shortened("äöü"), "äöü");
+        assert_eq!(shortened(&"ä".repeat(40)).chars().count(), LONGEST_LABEL);
+    }
+}

@@ -1,0 +1,55 @@
+//! The part of the page about one mesh.
+
+use super::html::{Html, escape};
+use super::judge::{Judgement, Outcome, in_words};
+use super::number::grouped;
+use super::summary::SummaryRow;
+use super::table::{runs_table, settings};
+use super::{MESH_NUMBER, MeshFragment, MeshSection, convergence, histogram, pictures};
+
+/// Renders everything there is about one mesh.
+pub(crate) fn fragment(section: &MeshSection<'_>) -> MeshFragment {
+    let judgement = Judgement::new(section);
+    let mut html = Html::default();
+    html.raw(&format!("<section id=\"mesh-{MESH_NUMBER}\" aria-labelledby=\"mesh-{MESH_NUMBER}-name\">\n"));
+    html.element("h2", &format!("id=\"mesh-{MESH_NUMBER}-name\""), section.name);
+    html.raw(&lead(&judgement));
+    html.raw(&pictures::pictures(&judgement));
+    html.raw("<h3>Runs</h3>\n");
+    html.raw(&runs_table(&judgement));
+    html.raw(&charts(&judgement));
+    html.raw(&settings(&judgement));
+    html.raw("<p class=\"back\"><a href=\"#summary\">Back to the summary</a></p>\n</section>\n");
+    MeshFragment { html: html.finish(), summary: SummaryRow::new(&judgement) }
+}
+
+/// The mesh and its best run in a sentence or two.
+fn lead(judgement: &Judgement<'_>) -> String {
+    let mut parts = Vec::new();
+    if let Some(mesh) = judgement.section.mesh {
+        parts.push(format!("{} triangles, {} vertices.", grouped(mesh.face_count()), grouped(mesh.vertex_count())));
+    }
+    parts.push(match judgement.best.and_then(|k| Some((k, judgement.metrics(k)?))) {
+        Some((k, metrics)) => {
+            let label = escape(&judgement.labels[k]);
+            let which = if metrics.valid() {
+                "Lowest F of the valid layouts"
+            } else {
+                "No layout is valid; shown is the one nearest to it"
+            };
+            format!("{which}: <strong>{label}</strong> ({}).", escape(&in_words(metrics)))
+        }
+        None if judgement.outcomes.iter().any(|o| matches!(o, Outcome::Unseen)) => "No layout is at hand.".to_owned(),
+        None => "No run gave a layout.".to_owned(),
+    });
+    format!("<p class=\"lead\">{}</p>\n", parts.join(" "))
+}
+
+/// Convergence and the histogram, side by side where there is room.
+fn charts(judgement: &Judgement<'_>) -> String {
+    let all = [convergence::outer(judgement), convergence::inner(judgement), histogram::histogram(judgement)].concat();
+    if all.is_empty() {
+        return all;
+    }
+    format!("<h3>Convergence and angle errors</h3>\n<div class=\"figures\">\n{all}</div>\n")
+}

@@ -1,0 +1,99 @@
+//! What every picture of one flattened mesh shares, whatever its faces are painted with.
+
+use abf_mesh::{CornerId, TriMesh, UvMap};
+use abf_metrics::{FaceDistortion, Orientation, per_face};
+use tiny_skia::Pixmap;
+
+use crate::PictureError;
+use crate::camera::{Camera, View};
+use crate::colour::Colour;
+use crate::layout::Layout;
+use crate::outline::Edges;
+use crate::panel::Panel;
+use crate::skin::Skin;
+use crate::surface::Surface;
+
+/// A mesh and its layout, judged once and ready to be drawn in any skin.
+pub(crate) struct Scene<'a> {
+    mesh: &'a TriMesh,
+    uv: &'a UvMap,
+    camera: Camera,
+    /// For every face whether the layout has it upside down.
+    flipped: Vec<bool>,
+    /// For every face the largest angle error at its corners, radians; 0 where it has no area.
+    angle_errors: Vec<f64>,
+    /// Boundary and seams.
+    outline: Vec<CornerId>,
+    /// The width of boundaries and seams, pixels; with 0 there are none.
+    line_width: f64,
+}
+
+impl<'a> Scene<'a> {
+    /// Checks and judges the input; lines are `line_width` pixels wide.
+    pub(crate) fn new(mesh: &'a TriMesh, uv: &'a UvMap, view: &View, line_width: f64) -> Result<Self, PictureError> {
+        // The same judgement as in the figures: a red triangle is one that is counted as flipped.
+        let faces = per_face(mesh, uv)?;
+        Ok(Self {
+            mesh,
+            uv,
+            camera: Camera::new(view, mesh)?,
+            flipped: faces.iter().map(|f| f.orientation == Orientation::Flipped).collect(),
+            angle_errors: faces.iter().map(largest_angle_error).collect(),
+            outline: if line_width > 0.0 { Edges::of(mesh, uv).open } else { Vec::new() },
+            line_width,
+        })
+    }
+
+    /// For every face the largest angle error at its corners, radians.
+    pub(crate) fn angle_errors(&self) -> &[f64] {
+        &self.angle_errors
+    }
+
+    /// Draws the surface into a panel of the canvas.
+    pub(crate) fn draw_surface(&self, canvas: &mut Pixmap, panel: &Panel, skin: &Skin<'_>, palette: &Palette) {
+        let Self { mesh, uv, camera, flipped, outline, .. } = self;
+        Surface { mesh, uv, camera, skin, flipped, outline }.draw(canvas, panel, palette, self.line_width);
+    }
+
+    /// Draws the layout into a panel of the canvas.
+    pub(crate) fn draw_layout(&self, canvas: &mut Pixmap, panel: &Panel, skin: &Skin<'_>, palette: &Palette) {
+        let Self { uv, flipped, outline, .. } = self;
+        Layout { uv, skin, flipped, outline }.draw(canvas, panel, palette, self.line_width);
+    }
+}
+
+/// The largest `|x − α°|` at the corners of a face, radians.
+fn largest_angle_error(face: &FaceDistortion) -> f64 {
+    if face.degenerate_3d { 0.0 } else { face.angle_errors().into_iter().map(f64::abs).fold(0.0, f64::max) }
+}
+
+/// The colours besides those of a skin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Palette {
+    /// What is around the drawings; `None` leaves it transparent.
+    pub(crate) background: Option<Colour>,
+    /// Boundaries and seams.
+    pub(crate) ink: Colour,
+    /// Flipped triangles.
+    pub(crate) flipped: Colour,
+    /// Dark squares seen from the back.
+    pub(crate) back: Colour,
+    /// Light squares seen from the back.
+    pub(crate) back_light: Colour,
+}
+
+impl Palette {
+    /// The colours on a background; `None` leaves it transparent.
+    pub(crate) fn on(background: Option<[u8; 3]>) -> Self {
+        Self {
+            background: background.map(Colour::from_srgb),
+            ink: Colour::from_srgb([38, 42, 50]),
+            flipped: Colour::from_srgb(FLIPPED),
+            back: Colour::from_srgb([104, 106, 112]),
+            back_light: Colour::from_srgb([130, 132, 138]),
+        }
+    }
+}
+
+/// The red of a flipped triangle, sRGB.
+pub(crate) const FLIPPED: [u8; 3] = [226, 42, 38];

@@ -1,0 +1,37 @@
+"""Runs the program for the checks in this folder."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+DATA = ROOT / "crates/bench-harness/data"
+
+
+def models():
+    """The folder that ABF_MODELS names, or None; one that is none ends the check."""
+    folder = os.environ.get("ABF_MODELS")
+    if folder and not os.path.isdir(folder):
+        sys.exit(f"ABF_MODELS names {folder}, which is not a folder")
+    return pathlib.Path(folder).resolve() if folder else None
+
+
+def program(given):
+    """The program to check: the one given, else the release build, brought up to date."""
+    if given:
+        return given.resolve()
+    subprocess.run(["cargo", "build", "--release", "--quiet", "--package", "bench-harness"], cwd=ROOT, check=True)
+    return ROOT / "target/release/bench-harness"
+
+
+def run(binary, arguments, meshes):
+    """One result per mesh, as the program's JSON has them. RuntimeError: it did not get that far."""
+    ran = subprocess.run([binary, *arguments, "--json", "-", *meshes], capture_output=True, text=True, check=False)
+    try:
+        results = json.loads(ran.stdout)["results"]
+    except (ValueError, LookupError):
+        raise RuntimeError(f"exit code {ran.returncode}: {ran.stderr.strip()[-400:]}") from None
+    if len(results) != len(meshes):
+        raise RuntimeError(f"{len(results)} results for {len(meshes)} meshes")
+    return results
