@@ -232,9 +232,9 @@ mod tests {
             for a in 0..6 {
                 let Some(row) = index(&t, a) else { continue };
                 r[row] -= if a < 3 { vertex[a] } else { wheel[a - 3] };
-                for b in 0..6 {
+                for (b, entry) in block[a].iter().enumerate() {
                     if let Some(column) = index(&t, b) {
-                        s[(row, column)] += block[a][b];
+                        s[(row, column)] += entry;
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! What the solver and the layout did.
 
 use super::{Asked, as_text};
-use abf::{AngleSolution, Flattening, IterationRecord, LayoutKind, Pipeline, Termination};
+use abf::{AngleSolution, Flattening, Hessian, IterationRecord, LayoutKind, Pipeline, Termination, WheelForm};
 use serde::Serialize;
 
 /// What was asked of the solver and the layout, and what they did.
@@ -32,7 +32,8 @@ pub(crate) struct Run {
     pub(crate) inner_estimate: Option<f64>,
     /// Inner solves that ended before their tolerance.
     pub(crate) inner_unconverged: usize,
-    /// The most negative entries of the Hessian met in one iteration.
+    /// The most negative entries of a diagonal Hessian met in one iteration; `None` too for the exact
+    /// Hessian of the product wheel, whose signs its diagonal does not tell.
     pub(crate) negative_curvature: Option<usize>,
     /// Iterations that gave up the exact Hessian.
     pub(crate) fallbacks: Option<usize>,
@@ -54,8 +55,10 @@ impl Run {
         let solution = flat.solution.as_ref();
         let history = solution.map_or(&[][..], AngleSolution::history);
         let last = history.last();
+        let settings = Asked::new(pipeline);
+        let is_diagonal = (settings.wheel, settings.hessian) != (Some(WheelForm::Product), Some(Hessian::Exact));
         Self {
-            settings: Asked::new(pipeline),
+            settings,
             termination: flat.termination,
             constraint_residual: solution.map(AngleSolution::constraint_residual),
             angles_out_of_range: solution.map(AngleSolution::angles_out_of_range),
@@ -66,7 +69,7 @@ impl Run {
             inner_residual_worst: history.iter().map(|record| record.inner_residual).reduce(worse),
             inner_estimate: last.and_then(|record| record.inner_estimate),
             inner_unconverged: history.iter().filter(|record: &&IterationRecord| !record.inner_converged).count(),
-            negative_curvature: solution.map(AngleSolution::negative_curvature),
+            negative_curvature: solution.filter(|_| is_diagonal).map(AngleSolution::negative_curvature),
             fallbacks: solution.map(AngleSolution::fallbacks),
             moved_angles: solution.map_or(0, AngleSolution::moved_angles) + flat.layout.moved_angles,
             switched_rings: flat.switched_rings,

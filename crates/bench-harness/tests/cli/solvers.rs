@@ -36,6 +36,8 @@ fn every_solver_flattens_by_name_and_says_which_point_of_the_grid_it_is() {
         assert_eq!(settings["line_search"].as_str(), wheel.map(|_| "merit"), "{solver}");
         assert_eq!(settings["inner_tolerance"].as_str(), is_iterative.then_some("auto"), "{solver}");
         assert_eq!(result["energy"].is_number(), wheel.is_some(), "{solver}");
+        let has_diagonal_hessian = !["abf", "lscm"].contains(&solver);
+        assert_eq!(result["negative_curvature"].is_number(), has_diagonal_hessian, "{solver}");
     }
 }
 
