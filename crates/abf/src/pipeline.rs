@@ -175,34 +175,43 @@ impl Pipeline {
     /// The solver with its settings; `None` for LSCM, which solves for no angles.
     #[must_use]
     pub fn angle_solver(&self) -> Option<Box<dyn AngleSolver>> {
-        let direct = |solver: AbfNewton| -> Option<Box<dyn AngleSolver>> {
-            Some(Box::new(AbfNewton { newton: self.newton(solver.newton), ..solver }))
+        let Some(newton) = self.newton_settings() else {
+            return match self.solver {
+                SolverKind::LinAbf => Some(Box::new(LinAbf { passes: self.passes })),
+                _ => None,
+            };
         };
-        match self.solver {
-            SolverKind::LinAbf => Some(Box::new(LinAbf { passes: self.passes })),
-            SolverKind::Abf => direct(AbfNewton::abf()),
-            SolverKind::AbfPlusPlus => direct(AbfNewton::abf_plus_plus()),
-            SolverKind::AbfNewton => direct(AbfNewton::exact_newton()),
-            SolverKind::AbfFixedTarget => direct(AbfNewton::fixed_target()),
-            SolverKind::Uzawa => {
-                Some(Box::new(Uzawa { newton: self.newton(Uzawa::default().newton), iterative: self.iterative }))
-            }
-            SolverKind::Minres => {
-                Some(Box::new(Minres { newton: self.newton(Minres::default().newton), iterative: self.iterative }))
-            }
-            SolverKind::Lscm => None,
-        }
+        let iterative = self.iterative;
+        Some(match self.solver {
+            SolverKind::Uzawa => Box::new(Uzawa { newton, iterative }),
+            SolverKind::Minres => Box::new(Minres { newton, iterative }),
+            SolverKind::Abf => Box::new(AbfNewton { newton, ..AbfNewton::abf() }),
+            SolverKind::AbfPlusPlus => Box::new(AbfNewton { newton, ..AbfNewton::abf_plus_plus() }),
+            SolverKind::AbfNewton => Box::new(AbfNewton { newton, ..AbfNewton::exact_newton() }),
+            _ => Box::new(AbfNewton { newton, ..AbfNewton::fixed_target() }),
+        })
     }
 
-    /// A named point of the grid with the settings of this pipeline.
-    fn newton(&self, named: NewtonSettings) -> NewtonSettings {
-        NewtonSettings {
+    /// The point of the grid this pipeline runs: that of its solver, with its own settings where it has
+    /// any. `None` for the solvers without a fixed target, LinABF and LSCM.
+    #[must_use]
+    pub fn newton_settings(&self) -> Option<NewtonSettings> {
+        let named = match self.solver {
+            SolverKind::Abf => AbfNewton::abf().newton,
+            SolverKind::AbfPlusPlus => AbfNewton::abf_plus_plus().newton,
+            SolverKind::AbfNewton => AbfNewton::exact_newton().newton,
+            SolverKind::AbfFixedTarget => AbfNewton::fixed_target().newton,
+            SolverKind::Uzawa => Uzawa::default().newton,
+            SolverKind::Minres => Minres::default().newton,
+            SolverKind::LinAbf | SolverKind::Lscm => return None,
+        };
+        Some(NewtonSettings {
             wheel: self.wheel.unwrap_or(named.wheel),
             hessian: self.hessian.unwrap_or(named.hessian),
             line_search: self.line_search,
             bounds: self.bounds,
             inner_tolerance: self.inner_tolerance,
-        }
+        })
     }
 
     fn solve(

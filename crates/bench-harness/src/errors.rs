@@ -91,7 +91,7 @@ impl Failure {
 
     /// A picture that cannot be drawn.
     pub(crate) fn picture(path: &Path, error: &PictureError) -> Self {
-        let hint = "leave out --png; the mesh and the figures do not depend on it";
+        let hint = "leave out --png or --svg; the mesh and the figures do not depend on it";
         Self::new(("no-picture", hint), format!("{}: {}", path.display(), chain(error)))
     }
 

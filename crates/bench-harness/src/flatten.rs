@@ -11,6 +11,7 @@ use crate::show::show;
 use crate::source::Source;
 use crate::{console, files, table};
 use abf_mesh::{TriMesh, UvMap, io};
+use abf_report::svg::{SvgStyle, layout_svg};
 use abf_report::{PictureStyle, picture};
 use std::path::Path;
 use std::time::Instant;
@@ -92,23 +93,26 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     record
 }
 
-/// Writes the mesh and the picture. One file that cannot be written does not keep the other from
-/// being tried.
+/// Writes the mesh and the pictures. One file that cannot be written does not keep the others from
+/// being tried; the last failure is returned, those before it are shown.
 fn write_files(settings: &Settings, mesh: &TriMesh, uv: &UvMap, record: &mut Record) -> Result<(), Failure> {
     let begin = Instant::now();
-    let written = settings.output.as_deref().map_or(Ok(()), |path| write(path, mesh, uv));
-    if let (Some(timings), true) = (&mut record.timings_s, settings.output.is_some()) {
+    let written = settings.output.as_deref().map(|path| (path, write(path, mesh, uv)));
+    if let (Some(timings), Some(_)) = (&mut record.timings_s, &written) {
         timings.write = begin.elapsed().as_secs_f64();
         timings.total += timings.write;
     }
-    let drawn = settings.png.as_deref().map_or(Ok(()), |path| draw(path, mesh, uv));
-    for (path, result) in [(&settings.output, &written), (&settings.png, &drawn)] {
-        record.written.extend(path.as_ref().filter(|_| result.is_ok()).map(|path| path.display().to_string()));
+    let png = settings.png.as_deref().map(|path| (path, draw(path, mesh, uv)));
+    let svg = settings.svg.as_deref().map(|path| (path, draw_layout(path, mesh, uv)));
+    let mut end = Ok(());
+    for (path, result) in [written, png, svg].into_iter().flatten() {
+        match (result, &end) {
+            (Ok(()), _) => record.written.push(path.display().to_string()),
+            (Err(failure), Ok(())) => end = Err(failure),
+            (Err(failure), Err(_)) => console::failure(&failure),
+        }
     }
-    if let (Err(_), Err(failure)) = (&written, &drawn) {
-        console::failure(failure);
-    }
-    written.and(drawn)
+    end
 }
 
 fn write(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {
@@ -118,4 +122,9 @@ fn write(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {
 fn draw(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {
     let png = picture(mesh, uv, &PictureStyle::default()).map_err(|error| Failure::picture(path, &error))?;
     files::replace(path, &png)
+}
+
+fn draw_layout(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {
+    let svg = layout_svg(mesh, uv, &SvgStyle::default()).map_err(|error| Failure::picture(path, &error))?;
+    files::replace(path, svg.as_bytes())
 }

@@ -4,13 +4,7 @@ use crate::args::{MethodArgs, SolverChoice, names};
 use crate::errors;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
-use abf::{
-    EstimateSettings, FlattenError, IterativeSettings, LayoutSettings, NewtonSettings, Pipeline, SolverKind,
-    StopCriteria,
-};
-use abf_solve_abf_newton::AbfNewton;
-use abf_solve_minres::Minres;
-use abf_solve_uzawa::Uzawa;
+use abf::{EstimateSettings, FlattenError, IterativeSettings, LayoutSettings, Pipeline, SolverKind, StopCriteria};
 use clap::error::ErrorKind;
 use std::time::Duration;
 
@@ -101,28 +95,9 @@ pub(crate) fn iterates_inside(solver: SolverKind) -> bool {
     matches!(solver, SolverKind::Uzawa | SolverKind::Minres)
 }
 
-/// The point of the grid that a solver with a fixed target has by name; `None` for the others.
-fn named_point(solver: SolverKind) -> Option<NewtonSettings> {
-    match solver {
-        SolverKind::Abf => Some(AbfNewton::abf().newton),
-        SolverKind::AbfPlusPlus => Some(AbfNewton::abf_plus_plus().newton),
-        SolverKind::AbfNewton => Some(AbfNewton::exact_newton().newton),
-        SolverKind::AbfFixedTarget => Some(AbfNewton::fixed_target().newton),
-        SolverKind::Uzawa => Some(Uzawa::default().newton),
-        SolverKind::Minres => Some(Minres::default().newton),
-        _ => None,
-    }
-}
-
-/// The point of the grid that a pipeline runs; `None` where there is no fixed target.
-pub(crate) fn newton(pipeline: &Pipeline) -> Option<NewtonSettings> {
-    named_point(pipeline.solver).map(|named| NewtonSettings {
-        wheel: pipeline.wheel.unwrap_or(named.wheel),
-        hessian: pipeline.hessian.unwrap_or(named.hessian),
-        line_search: pipeline.line_search,
-        bounds: pipeline.bounds,
-        inner_tolerance: pipeline.inner_tolerance,
-    })
+/// Whether a solver minimises an energy with a fixed target.
+fn has_a_fixed_target(solver: SolverKind) -> bool {
+    Pipeline { solver, ..Pipeline::default() }.newton_settings().is_some()
 }
 
 /// An option that concerns some solvers only.
@@ -136,7 +111,7 @@ struct Offer {
 fn offers(args: &MethodArgs) -> [Offer; 13] {
     let of = |concerns: fn(SolverKind) -> bool| move |name, is_given| Offer { name, is_given, concerns };
     let (angles, passes, inner) = (of(finds_angles), of(makes_passes), of(iterates_inside));
-    let fixed_target = of(|solver| named_point(solver).is_some());
+    let fixed_target = of(has_a_fixed_target);
     [
         angles("--ring-switch", args.ring_switch.is_some()),
         angles("--angle-bound", args.angle_bound.is_some()),
@@ -300,7 +275,7 @@ mod tests {
             let pipeline = Pipeline { solver, ..Pipeline::default() };
             let shown = pipeline.angle_solver().map(|solver| solver.name());
             assert_eq!(shown.is_some(), finds_angles(solver));
-            assert_eq!(newton(&pipeline).is_some(), finds_angles(solver) && !makes_passes(solver), "{solver}");
+            assert_eq!(pipeline.newton_settings().is_some(), finds_angles(solver) && !makes_passes(solver), "{solver}");
         }
     }
 }

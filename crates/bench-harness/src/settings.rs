@@ -18,6 +18,8 @@ pub(crate) struct Settings {
     pub(crate) output: Option<PathBuf>,
     /// Where the picture goes.
     pub(crate) png: Option<PathBuf>,
+    /// Where to draw the layout in real units.
+    pub(crate) svg: Option<PathBuf>,
     /// Where the JSON goes.
     pub(crate) json: Option<JsonTarget>,
     /// Where every iteration goes.
@@ -60,8 +62,9 @@ impl Settings {
             [] => vec![Source::Builtin],
             meshes => meshes.iter().cloned().map(Source::File).collect(),
         };
-        let (output, png, history, json) = (args.output, args.png, args.history, JsonTarget::new(args.json));
-        for (option, path) in [("--output", &output), ("--png", &png)] {
+        let (output, png, svg) = (args.output, args.png, args.svg);
+        let (history, json) = (args.history, JsonTarget::new(args.json));
+        for (option, path) in [("--output", &output), ("--png", &png), ("--svg", &svg)] {
             if let Some(path) = path {
                 check_is_for_one(option, path, sources.len(), methods.len())?;
             }
@@ -72,11 +75,12 @@ impl Settings {
         let targets = [
             ("--output", output.as_deref()),
             ("--png", png.as_deref()),
+            ("--svg", svg.as_deref()),
             ("--json", json.as_ref().and_then(JsonTarget::file)),
             ("--history", history.as_deref()),
         ];
         check_distinct(&targets, &args.meshes)?;
-        Ok(Self { sources, methods, output, png, json, history })
+        Ok(Self { sources, methods, output, png, svg, json, history })
     }
 
     /// Whether several solvers are to be compared.

@@ -93,7 +93,7 @@ impl AngleSolver for LinAbf {
     ) -> Result<AngleSolution, SolveError> {
         stop.check()?;
         let mut watch = Watch::start(stop, observer);
-        let mut run = Run::new(problem, self.step(problem)?);
+        let mut run = Run::new(problem, self.step(problem, stop)?);
         let termination = loop {
             let tolerance = self.inner_tolerance(&run, stop);
             match run.pass(tolerance, &mut watch) {
@@ -115,11 +115,11 @@ impl AngleSolver for LinAbf {
 impl LinAbf {
     /// A single pass is one factorisation of `S`. Several passes start close to each other, and each
     /// needs only the digits that the next one can use: conjugate gradients with the factors of the first.
-    fn step(&self, problem: &AngleProblem<'_>) -> Result<Box<dyn KktStep>, SolveError> {
+    fn step(&self, problem: &AngleProblem<'_>, stop: &StopCriteria) -> Result<Box<dyn KktStep>, SolveError> {
         let (topology, rows) = (problem.topology(), problem.rows());
         Ok(match self.passes {
-            Passes::Auto => Box::new(ConjugateStep::new(topology, rows)?),
-            Passes::Exactly(_) => Box::new(DirectStep::new(topology, rows)?),
+            Passes::Auto if stop.max_iterations > 1 => Box::new(ConjugateStep::new(topology, rows)?),
+            _ => Box::new(DirectStep::new(topology, rows)?),
         })
     }
 
@@ -127,8 +127,10 @@ impl LinAbf {
     /// its correction, so what is left of them before it says how many digits it can use; and when
     /// fewer are enough to meet the tolerance, fewer are asked for.
     fn inner_tolerance(&self, run: &Run<'_, '_>, stop: &StopCriteria) -> f64 {
+        let is_last = run.history.len() + 1 >= stop.max_iterations;
         match (self.passes, run.history.last()) {
             (Passes::Exactly(_), _) => TIGHTEST,
+            (Passes::Auto, _) if is_last => TIGHTEST,
             (Passes::Auto, None) => LOOSEST,
             (Passes::Auto, Some(last)) => {
                 let residual = last.constraint_residual;

@@ -85,6 +85,9 @@ pub(crate) struct FlattenArgs {
     /// Draw the checkered surface next to its layout
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]
     pub(crate) png: Option<PathBuf>,
+    /// Draw the layout in millimetres (one per unit of the mesh), outline and edges in layers of their own
+    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    pub(crate) svg: Option<PathBuf>,
 }
 
 /// The arguments of `compare`.

@@ -2,7 +2,7 @@
 
 use super::as_text;
 use crate::args::InnerAccuracy;
-use crate::methods::{finds_angles, iterates_inside, makes_passes, newton};
+use crate::methods::{finds_angles, iterates_inside, makes_passes};
 use abf::solve_core::InnerTolerance;
 use abf::{Hessian, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, WheelForm};
 use serde::{Serialize, Serializer};
@@ -59,7 +59,7 @@ impl Asked {
     /// The settings of a pipeline.
     pub(crate) fn new(pipeline: &Pipeline) -> Self {
         let solver = pipeline.solver;
-        let newton = newton(pipeline);
+        let newton = pipeline.newton_settings();
         let iterative = iterates_inside(solver).then_some(pipeline.iterative);
         Self {
             passes: makes_passes(solver).then_some(pipeline.passes),

@@ -240,6 +240,9 @@ fn json_and_picture_are_written_to_files() {
     let json: Value = serde_json::from_slice(&std::fs::read(json).expect("written")).expect("JSON");
     assert_eq!(json["results"][0]["written"][0], png.display().to_string());
     assert_eq!(&std::fs::read(png).expect("written")[1..4], b"PNG");
+    let svg = folder.path("a.svg");
+    run_on(&format!("--svg {}", svg.display()), &[&fixture("letter-x")]);
+    assert!(std::fs::read_to_string(svg).expect("written").contains("mm\""), "in millimetres");
     assert_eq!(folder.count(), 2);
 }
 
