@@ -3,8 +3,8 @@
 use abf::constraints::AngleProblem;
 use abf::mesh::{Topology, TriMesh};
 use abf::{
-    AngleSolution, AngleSolver, EstimateSettings, Event, Observer, Pipeline, Silent, SolverKind, StopCriteria,
-    Termination, Verdict,
+    AngleSolution, AngleSolver, EstimateSettings, Event, IterativeSettings, Observer, Pipeline, Silent, SolverKind,
+    StopCriteria, Termination, Verdict,
 };
 use abf_shapes::Shape;
 use proptest::prelude::*;
@@ -122,6 +122,30 @@ fn an_iteration_limit_is_obeyed() {
         let solution = with_problem(&mesh, |problem| solver.solve(problem, &stop, &mut Silent)).expect("angles");
         assert_eq!(solution.termination(), Termination::MaxIterations, "{}", solver.name());
         assert_eq!(solution.iterations(), 2, "{}", solver.name());
+    }
+}
+
+#[test]
+fn a_single_iteration_returns_the_angles_it_led_to() {
+    let mesh = Shape::SpikyField.mesh(800);
+    let stop = StopCriteria { max_iterations: 1, ..StopCriteria::default() };
+    for solver in solvers() {
+        let solution = with_problem(&mesh, |problem| solver.solve(problem, &stop, &mut Silent)).expect("angles");
+        let last = solution.history().last().expect("an iteration");
+        assert_eq!(solution.termination(), Termination::OnePass, "{}", solver.name());
+        assert_eq!(solution.constraint_residual(), last.constraint_residual, "{}", solver.name());
+    }
+}
+
+#[test]
+fn a_single_iteration_whose_solve_broke_off_is_not_what_was_asked() {
+    let mesh = Shape::SpikyField.mesh(800);
+    let stop = StopCriteria { max_iterations: 1, ..StopCriteria::default() };
+    let iterative = IterativeSettings { max_inner_iterations: 5, ..IterativeSettings::as_published() };
+    for solver in [SolverKind::Uzawa, SolverKind::Minres] {
+        let solver = Pipeline { solver, iterative, ..Pipeline::default() }.angle_solver().expect("solves for angles");
+        let solution = with_problem(&mesh, |problem| solver.solve(problem, &stop, &mut Silent)).expect("angles");
+        assert!(!solution.termination().is_as_asked(), "{}: {}", solver.name(), solution.termination());
     }
 }
 

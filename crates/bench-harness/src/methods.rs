@@ -42,7 +42,7 @@ impl Method {
         let limit = self.most_triangles.filter(|&limit| triangles > limit)?;
         let solver = self.pipeline.solver;
         let message = format!(
-            "the LU factorisation of its 5 nt = {} unknowns takes long; above {limit} triangles it runs only when \
+            "the LU factorisation of its nearly {} unknowns takes long; above {limit} triangles it runs only when \
              asked for with --solver {solver}",
             5 * triangles
         );

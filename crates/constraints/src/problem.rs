@@ -177,6 +177,13 @@ impl<'a> AngleProblem<'a> {
         &self.weight
     }
 
+    /// `Σ w (x − a)²`: what every solver with a fixed target minimises (ABF; VMV04 §5).
+    #[must_use]
+    pub fn energy(&self, angles: &[f64]) -> f64 {
+        let terms = self.weight.iter().zip(&self.target).zip(angles);
+        terms.map(|((w, a), x)| w * (x - a) * (x - a)).sum()
+    }
+
     /// α: where to start and where LinABF linearises, inside the angle bounds.
     #[must_use]
     pub fn estimate(&self) -> &[f64] {

@@ -1,6 +1,6 @@
 //! Charts: the connected pieces of a UV map.
 
-use abf_mesh::{UvId, UvMap};
+use abf_mesh::{TriMesh, UvId, UvMap, VertexId};
 
 /// Which chart every face is in.
 pub(crate) struct Charts {
@@ -11,13 +11,18 @@ pub(crate) struct Charts {
 }
 
 impl Charts {
-    /// The connected components of the UV points, where the three points of a face are connected.
-    pub(crate) fn find(uv: &UvMap) -> Self {
+    /// The connected components of the UV points, where the three points of a face are connected, and
+    /// so are points of one vertex that have the same coordinates: files that repeat a UV for every
+    /// corner draw the same map as files that share it.
+    pub(crate) fn find(mesh: &TriMesh, uv: &UvMap) -> Self {
         const UNNUMBERED: usize = usize::MAX;
         let mut sets = DisjointSets::new(uv.points().len());
         for face in uv.corners().chunks_exact(3) {
             sets.join(face[0].index(), face[1].index());
             sets.join(face[1].index(), face[2].index());
+        }
+        for (i, j) in repeated_points(mesh, uv) {
+            sets.join(i.index(), j.index());
         }
         let mut number = vec![UNNUMBERED; uv.points().len()];
         let mut count = 0;
@@ -32,6 +37,25 @@ impl Charts {
         let of_face = uv.corners().chunks_exact(3).map(chart_of).collect();
         Self { of_face, count }
     }
+}
+
+/// Pairs of UV points that stand at one vertex and have equal coordinates; chains of them connect all
+/// that are equal.
+fn repeated_points(mesh: &TriMesh, uv: &UvMap) -> Vec<(UvId, UvId)> {
+    let mut first: Vec<Option<UvId>> = vec![None; mesh.vertex_count()];
+    // Vertices with several UV points: seams, or every vertex of a file that shares none.
+    let mut several: Vec<(VertexId, UvId)> = Vec::new();
+    for (&vertex, &point) in mesh.faces().iter().flatten().zip(uv.corners()) {
+        let known = first[vertex.index()].get_or_insert(point);
+        if *known != point {
+            several.extend([(vertex, *known), (vertex, point)]);
+        }
+    }
+    let place = |point: UvId| uv.points()[point.index()];
+    let key = |&(vertex, point): &(VertexId, UvId)| (vertex, place(point).x.to_bits(), place(point).y.to_bits(), point);
+    several.sort_unstable_by_key(key);
+    let is_same = |a: &(VertexId, UvId), b: &(VertexId, UvId)| a.0 == b.0 && place(a.1) == place(b.1);
+    several.windows(2).filter(|w| w[0].1 != w[1].1 && is_same(&w[0], &w[1])).map(|w| (w[0].1, w[1].1)).collect()
 }
 
 /// Union–find with path halving. The lower index becomes the root, so the result does not depend
@@ -67,8 +91,31 @@ mod tests {
     #[test]
     fn charts_are_numbered_by_first_appearance_and_unused_points_are_none() {
         let corners = [5, 6, 7, 0, 1, 2, 7, 8, 5, 2, 1, 3].map(UvId::new).to_vec();
-        let charts = Charts::find(&UvMap::new(vec![Point2::origin(); 10], corners));
+        let places = (0..10).map(|i| Point2::new(f64::from(i), 0.0)).collect();
+        let charts = Charts::find(&mesh(&[[0, 1, 2], [3, 4, 5], [2, 6, 0], [5, 4, 7]]), &UvMap::new(places, corners));
         assert_eq!(charts.of_face, [0, 1, 0, 1]);
         assert_eq!(charts.count, 2);
+    }
+
+    #[test]
+    fn a_uv_repeated_for_every_corner_joins_its_faces_as_if_it_were_shared() {
+        let places = [
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [0.0, 1.0],
+            [1.0, 0.0],
+            [1.0, 1.0],
+            [0.0, 1.0],
+            [5.0, 0.0],
+            [6.0, 0.0],
+            [5.0, 1.0],
+        ];
+        let uv = UvMap::new(places.map(Point2::from).to_vec(), (0..9).map(UvId::new).collect());
+        let charts = Charts::find(&mesh(&[[0, 1, 2], [1, 3, 2], [0, 1, 2]]), &uv);
+        assert_eq!(charts.of_face, [0, 0, 1], "the third face stands elsewhere");
+    }
+
+    fn mesh(faces: &[[usize; 3]]) -> TriMesh {
+        TriMesh::new(vec![abf_mesh::Point3::origin(); 8], faces).expect("indices in range")
     }
 }

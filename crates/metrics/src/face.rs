@@ -110,7 +110,7 @@ impl<'a> Survey<'a> {
             return Err(MetricsError::NoArea { faces: mesh.face_count() });
         }
         let total_uv = areas.iter().map(|&(_, flat)| flat.abs()).sum();
-        let charts = Charts::find(uv);
+        let charts = Charts::find(mesh, uv);
         let majority = majority_signs(&charts, &areas);
         Ok(Self { mesh, uv, surface_scale, uv_scale, charts, majority, areas, total_surface, total_uv })
     }

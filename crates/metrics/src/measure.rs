@@ -81,8 +81,7 @@ impl Metrics {
 /// Measures a UV map against its mesh.
 ///
 /// Takes time linear in the number of faces and gives the same bits every time. Corners are joined
-/// where they share a UV point: a map that shares none has a chart for every triangle, and then no
-/// triangle can be flipped against its neighbours.
+/// where they share a UV point, and where they are the same vertex at the same place in the plane.
 ///
 /// # Errors
 /// [`MetricsError`] when there is nothing to compare: no faces, no area in 3-D, coordinates that

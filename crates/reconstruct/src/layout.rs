@@ -166,7 +166,7 @@ fn place(topology: &Topology, angles: &[f64], pins: Pins, settings: &LayoutSetti
     };
     let closing_error = Some(edges.closing_error);
     match settings.kind {
-        LayoutKind::Auto if edges.closing_error > settings.closing_tolerance => least_squares(false, closing_error),
+        LayoutKind::Auto if !(edges.closing_error <= settings.closing_tolerance) => least_squares(false, closing_error),
         LayoutKind::Poisson => {
             let kind = LayoutKind::Poisson;
             let solved = poisson::place(topology, angles, &edges, pins);

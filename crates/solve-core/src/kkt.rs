@@ -68,9 +68,18 @@ impl Default for StepReport {
     }
 }
 
+/// A direct solve whose true relative residual is above this did not solve the system.
+const SOLVED: f64 = 1e-6;
+
 impl From<LinearStats> for StepReport {
+    /// The report of a direct solve.
     fn from(stats: LinearStats) -> Self {
-        Self { iterations: stats.iterations, relative_residual: stats.relative_residual, ..Self::default() }
+        Self {
+            iterations: stats.iterations,
+            relative_residual: stats.relative_residual,
+            inner_converged: stats.relative_residual <= SOLVED,
+            ..Self::default()
+        }
     }
 }
 

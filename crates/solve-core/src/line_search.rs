@@ -117,15 +117,9 @@ impl<'p, 'a> Merit<'p, 'a> {
         Self { problem, form, penalty: 0.0 }
     }
 
-    /// `Σ w (x − a)²`.
-    pub(crate) fn energy(problem: &AngleProblem<'_>, angles: &[f64]) -> f64 {
-        let terms = problem.weight().iter().zip(problem.target()).zip(angles);
-        terms.map(|((w, a), x)| w * (x - a) * (x - a)).sum()
-    }
-
     fn value(&self, angles: &[f64]) -> f64 {
         let h = residual(self.form, self.problem.topology(), self.problem.rows(), angles);
-        Self::energy(self.problem, angles) + self.penalty * norm1(&h)
+        self.problem.energy(angles) + self.penalty * norm1(&h)
     }
 
     /// Searches along `delta` from `angles`, where the constraints are `h` and the energy has the

@@ -100,11 +100,13 @@ impl NewtonSettings {
                 break interruption;
             }
             if run.history.len() >= stop.max_iterations {
-                // One iteration asked for and made is what was asked.
-                break if stop.max_iterations == 1 { Termination::OnePass } else { Termination::MaxIterations };
+                // One iteration asked for and made is what was asked, if its own solve was finished.
+                let is_made = run.history.last().is_some_and(|last| last.inner_converged);
+                let is_one = stop.max_iterations == 1 && is_made;
+                break if is_one { Termination::OnePass } else { Termination::MaxIterations };
             }
         };
-        let angles = if termination == Termination::Converged { run.angles } else { run.best };
+        let angles = if termination.is_as_asked() { run.angles } else { run.best };
         Ok(AngleSolution::measure(problem, angles, termination, run.history))
     }
 
@@ -196,7 +198,7 @@ impl<'p, 'a> Run<'p, 'a> {
         self.multipliers.iter_mut().zip(&out.multipliers).for_each(|(m, d)| *m += accepted.share * d);
         record.iteration = self.history.len() + 1;
         record.constraint_residual = max_residual(self.problem.topology(), self.problem.rows(), &self.angles);
-        record.energy = Some(Merit::energy(self.problem, &self.angles));
+        record.energy = Some(self.problem.energy(&self.angles));
         record.step_length = accepted.share;
         record.moved_angles = accepted.moved + if self.history.is_empty() { self.problem.moved_angles() } else { 0 };
         if record.constraint_residual <= self.best_residual {

@@ -12,11 +12,13 @@
 //! iterations than none. But `T` is diagonal, so `K` is eliminated exactly, and back again:
 //!
 //! ```text
-//! M = [ I       0 ] [ T  0 ] [ I  T⁻¹Kᵀ ]        C = the same with diag(S_vv, S_ww) for S.
+//! M = [ I       0 ] [ T  0 ] [ I  T⁻¹Kᵀ ]        C = the same with diag(|T|, S_vv, S_ww) in the middle.
 //!     [ K T⁻¹   I ] [ 0  S ] [ 0  I     ]
 //! ```
 //!
-//! `C⁻¹M` has `nt` eigenvalues 1 and beyond these the ones that `S` has with its own blocks.
+//! `C⁻¹M` has `nt` eigenvalues ±1 and beyond these the ones that `S` has with its own blocks. Here `T`
+//! and `K` are those of the very `Λ` that is solved with, in every step: the absolute value keeps
+//! `C` positive definite, and only the factors can be frozen.
 
 use crate::schur::schur_diagonal;
 use crate::{ConstraintProducts, KktSystem, LinearError, PreconditionerKind, ReducedSystem};
@@ -36,17 +38,16 @@ const PARALLEL_LEN: usize = 1 << 12;
 /// The preconditioner of one solver, kept across outer steps.
 pub struct Preconditioning {
     recipe: Recipe,
-    current: Box<dyn Preconditioner>,
     is_outdated: bool,
     factorisations: usize,
 }
 
-/// How to build it.
+/// How to build it, and what was built.
 enum Recipe {
-    Identity,
-    DiagonalOfM,
-    DiagonalOfS(Arc<ReducedSystem>),
-    Block(Box<BlockRecipe>),
+    Identity(Identity),
+    DiagonalOfM(Option<Jacobi>),
+    DiagonalOfS(Arc<ReducedSystem>, Option<Jacobi>),
+    Block(Box<BlockPreconditioner>),
 }
 
 impl Preconditioning {
@@ -62,12 +63,14 @@ impl Preconditioning {
         reduced: Option<&Arc<ReducedSystem>>,
     ) -> Result<Self, LinearError> {
         let recipe = match (kind, reduced) {
-            (PreconditionerKind::None, _) => Recipe::Identity,
-            (PreconditionerKind::Jacobi, None) => Recipe::DiagonalOfM,
-            (PreconditionerKind::Jacobi, Some(system)) => Recipe::DiagonalOfS(Arc::clone(system)),
-            (PreconditionerKind::Block, _) => Recipe::Block(Box::new(BlockRecipe::new(topology, rows, reduced)?)),
+            (PreconditionerKind::None, _) => Recipe::Identity(Identity),
+            (PreconditionerKind::Jacobi, None) => Recipe::DiagonalOfM(None),
+            (PreconditionerKind::Jacobi, Some(system)) => Recipe::DiagonalOfS(Arc::clone(system), None),
+            (PreconditionerKind::Block, _) => {
+                Recipe::Block(Box::new(BlockPreconditioner::new(topology, rows, reduced)?))
+            }
         };
-        Ok(Self { recipe, current: Box::new(Identity), is_outdated: true, factorisations: 0 })
+        Ok(Self { recipe, is_outdated: true, factorisations: 0 })
     }
 
     /// The preconditioner for a system: a diagonal is always fresh, factors are frozen until
@@ -76,18 +79,23 @@ impl Preconditioning {
     /// # Errors
     /// [`LinearError`] when a block cannot be factorised.
     pub fn prepare(&mut self, kkt: &KktSystem<'_>) -> Result<&dyn Preconditioner, LinearError> {
-        let kkt = KktSystem { lambda: kkt.gauss_newton, off_diagonal: None, ..*kkt };
-        match &self.recipe {
-            Recipe::DiagonalOfM => self.current = Box::new(Jacobi::new(&schur_diagonal(&kkt))?),
-            Recipe::DiagonalOfS(system) => self.current = Box::new(Jacobi::new(&diagonal(&assemble(system, &kkt)))?),
-            Recipe::Block(block) if self.is_outdated => {
-                self.current = block.factorise(&kkt)?;
-                self.is_outdated = false;
-                self.factorisations += 1;
+        let with_2w = KktSystem { lambda: kkt.gauss_newton, off_diagonal: None, ..*kkt };
+        Ok(match &mut self.recipe {
+            Recipe::Identity(identity) => identity,
+            Recipe::DiagonalOfM(built) => built.insert(Jacobi::new(&schur_diagonal(&with_2w))?),
+            Recipe::DiagonalOfS(system, built) => built.insert(Jacobi::new(&diagonal(&assemble(system, &with_2w)))?),
+            Recipe::Block(block) => {
+                if self.is_outdated {
+                    block.factorise(&with_2w)?;
+                    self.is_outdated = false;
+                    self.factorisations += 1;
+                }
+                if let Some(elimination) = &mut block.elimination {
+                    elimination.update(kkt);
+                }
+                &**block
             }
-            Recipe::Identity | Recipe::Block(_) => {}
-        }
-        Ok(&*self.current)
+        })
     }
 
     /// Says how many iterations a solve with it took.
@@ -113,15 +121,17 @@ fn diagonal(matrix: &SymmetricMatrix<f64>) -> Vec<f64> {
     (0..matrix.size()).map(|column| matrix.values[matrix.pattern().column(column).start]).collect()
 }
 
-/// What the block preconditioner needs once per topology.
-struct BlockRecipe {
+/// `C⁻¹` by blocks.
+struct BlockPreconditioner {
     system: Arc<ReducedSystem>,
     symbolic: Arc<SymbolicCholesky>,
-    /// `J_R`, to eliminate the triangle rows of `M` with.
-    elimination: Option<ConstraintProducts>,
+    /// Made in the first step and kept.
+    blocks: Option<Blocks<Cholesky<f64>>>,
+    /// For `M`, made in every step.
+    elimination: Option<Elimination>,
 }
 
-impl BlockRecipe {
+impl BlockPreconditioner {
     fn new(
         topology: &Topology,
         rows: &ConstraintRows,
@@ -132,21 +142,28 @@ impl BlockRecipe {
             None => {
                 let system = Arc::new(ReducedSystem::new(topology, rows)?);
                 let products = ConstraintProducts::reduced(topology, rows, &system);
-                (system, Some(products))
+                (system, Some(Elimination { products, triangles: Vec::new() }))
             }
         };
         let symbolic = SymbolicCholesky::analyse(Arc::new(system.vertex_pattern()))?;
-        Ok(Self { system, symbolic, elimination })
+        Ok(Self { system, symbolic, blocks: None, elimination })
     }
 
-    fn factorise(&self, kkt: &KktSystem<'_>) -> Result<Box<dyn Preconditioner>, LinearError> {
+    fn factorise(&mut self, kkt: &KktSystem<'_>) -> Result<(), LinearError> {
         let s = assemble(&self.system, kkt);
         let block = |part| self.symbolic.factorise(&s.every_second(self.symbolic.pattern(), part));
-        let blocks = Blocks { vertex: block(0)?, wheel: block(1)? };
-        Ok(match &self.elimination {
-            None => Box::new(blocks),
-            Some(products) => Box::new(BlocksWithTriangles::new(blocks, products.clone(), kkt)),
-        })
+        self.blocks = Some(Blocks { vertex: block(0)?, wheel: block(1)? });
+        Ok(())
+    }
+}
+
+impl Preconditioner for BlockPreconditioner {
+    fn apply(&self, r: &[f64], out: &mut [f64]) {
+        let blocks = self.blocks.as_ref().expect("prepared before it is used");
+        match &self.elimination {
+            None => blocks.apply(r, out),
+            Some(elimination) => elimination.apply(blocks, r, out),
+        }
     }
 }
 
@@ -175,36 +192,34 @@ impl<F: Preconditioner + Sync> Preconditioner for Blocks<F> {
     }
 }
 
-/// `C⁻¹` for `M`, vectors in the order of [`ConstraintRows`].
-struct BlocksWithTriangles {
-    blocks: Blocks<Cholesky<f64>>,
-    /// With 2w: `T⁻¹` and the two products with `Λ⁻¹ J_tᵀ T⁻¹`.
-    triangles: Vec<TriangleReduction>,
+/// The triangle rows of `M`, eliminated before the blocks are solved with and substituted after.
+struct Elimination {
     /// `J_R`.
     products: ConstraintProducts,
+    /// `T⁻¹` and the two products with `Λ⁻¹ J_tᵀ T⁻¹`.
+    triangles: Vec<TriangleReduction>,
 }
 
-impl BlocksWithTriangles {
-    fn new(blocks: Blocks<Cholesky<f64>>, mut products: ConstraintProducts, kkt: &KktSystem<'_>) -> Self {
-        products.update(kkt);
-        let triangles = kkt.lambda.chunks_exact(3).map(|l| TriangleReduction::new([l[0], l[1], l[2]])).collect();
-        Self { blocks, triangles, products }
+impl Elimination {
+    fn update(&mut self, kkt: &KktSystem<'_>) {
+        self.products.update(kkt);
+        self.triangles = kkt.lambda.chunks_exact(3).map(|l| TriangleReduction::new([l[0], l[1], l[2]])).collect();
     }
-}
 
-impl Preconditioner for BlocksWithTriangles {
-    fn apply(&self, r: &[f64], out: &mut [f64]) {
+    /// Vectors in the order of [`ConstraintRows`].
+    fn apply(&self, blocks: &impl Preconditioner, r: &[f64], out: &mut [f64]) {
         // Down: r_R − K T⁻¹ r_t.
         let mut corners: Vec<f64> = self.triangles.iter().zip(r).flat_map(|(t, &r)| t.shift(r)).collect();
         let kept = self.products.kept_rows();
         let (mut reduced, mut solved) = (vec![0.0; kept.len()], vec![0.0; kept.len()]);
         self.products.multiply(&corners, &mut reduced);
         reduced.iter_mut().zip(kept).for_each(|(v, &row)| *v = r[row as usize] - *v);
-        self.blocks.apply(&reduced, &mut solved);
-        // Up: T⁻¹ (r_t − Kᵀ z_R).
+        blocks.apply(&reduced, &mut solved);
+        // Up: |T|⁻¹ r_t − T⁻¹ Kᵀ z_R.
         self.products.multiply_transposed(&solved, &mut corners);
         for (t, triangle) in self.triangles.iter().enumerate() {
-            out[t] = triangle.multiplier(r[t], [corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]]);
+            let sign = triangle.multiplier(1.0, [0.0; 3]).signum();
+            out[t] = triangle.multiplier(sign * r[t], [corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]]);
         }
         kept.iter().zip(solved).for_each(|(&row, z)| out[row as usize] = z);
     }
@@ -272,11 +287,12 @@ mod tests {
         }
     }
 
-    /// `C⁻¹ M` is the identity on what only the triangle rows hold: `M` and `C` share these columns.
+    /// `C⁻¹ M` is the identity on what only the triangle rows hold, but for the sign of `T`: `M` and `C`
+    /// share these columns.
     #[test]
     fn the_triangle_rows_of_m_are_eliminated_exactly() {
         let planted = Planted::new(300);
-        let kkt = with_2w(&planted.kkt());
+        let kkt = planted.kkt();
         let mut products = ConstraintProducts::whole(kkt.topology, kkt.rows);
         products.update(&kkt);
         let m = SchurComplement::new(&products, &kkt);
@@ -288,7 +304,8 @@ mod tests {
         let (mut mx, mut back) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         m.apply(&x, &mut mx);
         c.apply(&mx, &mut back);
-        assert!(apart(&back, &x) < 1e-12);
+        assert!(back.iter().zip(&x).all(|(b, x)| (b.abs() - x.abs()).abs() < 1e-11));
+        assert!(back.iter().zip(&x).any(|(b, x)| b * x < 0.0), "a triangle with a negative T");
     }
 
     #[test]

@@ -89,6 +89,7 @@ pub struct AngleSolution {
     history: Vec<IterationRecord>,
     constraint_residual: f64,
     angles_out_of_range: usize,
+    energy: f64,
 }
 
 impl AngleSolution {
@@ -106,7 +107,8 @@ impl AngleSolution {
         assert_eq!(angles.len(), problem.topology().corner_count(), "one angle per corner");
         let constraint_residual = max_residual(problem.topology(), problem.rows(), &angles);
         let angles_out_of_range = angles_out_of_range(&angles);
-        Self { angles, termination, history, constraint_residual, angles_out_of_range }
+        let energy = problem.energy(&angles);
+        Self { angles, termination, history, constraint_residual, angles_out_of_range, energy }
     }
 
     /// The angles, one per corner, rad.
@@ -131,6 +133,12 @@ impl AngleSolution {
     #[must_use]
     pub fn angles_out_of_range(&self) -> usize {
         self.angles_out_of_range
+    }
+
+    /// `Σ w (x − a)²` of the angles, measured.
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        self.energy
     }
 
     /// Every outer iteration.

@@ -179,6 +179,39 @@ fn blocks_precondition_at_any_size() {
     }
 }
 
+/// Makes Λ negative at one corner of every fifth triangle.
+struct Bent<'s>(&'s mut dyn KktStep);
+
+impl KktStep for Bent<'_> {
+    fn step(
+        &mut self,
+        kkt: &KktSystem<'_>,
+        tolerance: f64,
+        watch: &mut Watch<'_>,
+        out: &mut KktVector,
+    ) -> Result<StepReport, StepError> {
+        let mut lambda = kkt.gauss_newton.to_vec();
+        lambda.chunks_exact_mut(3).step_by(5).for_each(|l| l[1] = -0.2 * l[0].min(l[2]));
+        self.0.step(&KktSystem { lambda: &lambda, ..*kkt }, tolerance, watch, out)
+    }
+}
+
+/// `M` then has as many negative eigenvalues as `Λ` has negative entries, 400 here.
+#[test]
+fn blocks_precondition_m_though_it_is_indefinite() {
+    with_problem(Shape::BumpySheet, 2_000, |problem| {
+        let newton = NewtonSettings { inner_tolerance: InnerTolerance::Fixed(1e-10), ..NewtonSettings::default() };
+        let stop = StopCriteria { max_iterations: 1, ..StopCriteria::default() };
+        for reduction in REDUCTIONS {
+            let settings = IterativeSettings { reduction, ..IterativeSettings::default() };
+            let mut minres = MinresStep::new(problem.topology(), problem.rows(), settings).expect("fits");
+            let solution = newton.solve(problem, &stop, &mut Silent, &mut Bent(&mut minres)).expect("angles");
+            let first = solution.history()[0];
+            assert!(first.inner_iterations <= 60 && first.inner_residual <= 2e-10, "{reduction}: {first:?}");
+        }
+    });
+}
+
 /// Large enough for every parallel path: products, sums and the two blocks side by side.
 #[test]
 fn results_have_the_same_bits_for_one_and_two_threads() {

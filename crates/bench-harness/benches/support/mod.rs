@@ -31,8 +31,8 @@ pub(crate) fn models(names: &[&str]) -> Vec<Model> {
     let folder = std::env::var_os("ABF_MODELS").map_or_else(|| root().join("models"), PathBuf::from).join("paper");
     let mut found = Vec::new();
     for name in names {
-        match io::read(&folder.join(format!("{name}.obj"))) {
-            Ok(file) => found.push(Model { name: (*name).to_owned(), mesh: file.mesh }),
+        match read_disk(&folder.join(format!("{name}.obj"))) {
+            Ok(mesh) => found.push(Model { name: (*name).to_owned(), mesh }),
             Err(error) => println!("not measured: {name}: {error}"),
         }
     }
@@ -41,6 +41,15 @@ pub(crate) fn models(names: &[&str]) -> Vec<Model> {
         found.extend(["obtuse", "letter-x", "mask-coarse", "mask"].map(fixture));
     }
     found
+}
+
+/// A mesh that can be flattened.
+fn read_disk(file: &Path) -> Result<TriMesh, Box<dyn std::error::Error>> {
+    let mesh = io::read(file)?.mesh;
+    let topology = abf::mesh::Topology::build(mesh.vertex_count(), mesh.faces())?;
+    topology.require_disk()?;
+    mesh.check_geometry()?;
+    Ok(mesh)
 }
 
 /// A committed fixture, made anew.

@@ -243,7 +243,7 @@ fn json_and_picture_are_written_to_files() {
     let svg = folder.path("a.svg");
     run_on(&format!("--svg {}", svg.display()), &[&fixture("letter-x")]);
     assert!(std::fs::read_to_string(svg).expect("written").contains("mm\""), "in millimetres");
-    assert_eq!(folder.count(), 2);
+    assert_eq!(folder.count(), 3);
 }
 
 #[test]
