@@ -62,7 +62,7 @@ impl Run {
             termination: flat.termination,
             constraint_residual: solution.map(AngleSolution::constraint_residual),
             angles_out_of_range: solution.map(AngleSolution::angles_out_of_range),
-            energy: solution.map(AngleSolution::energy),
+            energy: solution.filter(|_| pipeline.newton_settings().is_some()).map(AngleSolution::energy),
             iterations: solution.map_or(0, AngleSolution::iterations),
             inner_iterations: solution.map_or(0, AngleSolution::inner_iterations),
             inner_residual: last.map(|record| record.inner_residual),
