@@ -1,15 +1,11 @@
 //! The reduced system by conjugate gradients with frozen block factors.
 
+use crate::preconditioner::{Blocks, REFACTOR_AFTER};
 use crate::{KktStep, KktSystem, KktVector, LinearError, ReducedSystem, StepError, StepReport, Watch};
 use abf_constraints::ConstraintRows;
-use abf_linalg::{
-    KrylovEnd, KrylovParams, Preconditioner, Refinement, SingleCholesky, SymbolicCholesky, SymmetricMatrix, cg,
-};
+use abf_linalg::{KrylovEnd, KrylovParams, Refinement, SingleCholesky, SymbolicCholesky, SymmetricMatrix, cg};
 use abf_mesh::Topology;
 use std::sync::Arc;
-
-/// A solve that needs more iterations than this has outdated factors: they are made anew and it goes on.
-const REFACTOR_AFTER: usize = 60;
 
 /// Solves a step with `Λ > 0` inexactly, for methods that take several steps from nearby angles.
 ///
@@ -22,7 +18,7 @@ pub struct ConjugateStep {
     symbolic: Arc<SymbolicCholesky>,
     matrix: SymmetricMatrix<f64>,
     rhs: Vec<f64>,
-    blocks: Option<Blocks>,
+    blocks: Option<Blocks<SingleCholesky>>,
 }
 
 impl ConjugateStep {
@@ -41,7 +37,7 @@ impl ConjugateStep {
     /// Conjugate gradients from `x`; the report says whether the tolerance was met.
     fn iterate(&mut self, tolerance: f64, watch: &mut Watch<'_>, x: &mut [f64]) -> Result<StepReport, StepError> {
         if self.blocks.is_none() {
-            self.blocks = Some(Blocks::factorise(&self.symbolic, &self.matrix)?);
+            self.blocks = Some(factorise_blocks(&self.symbolic, &self.matrix)?);
         }
         let blocks = self.blocks.as_ref().expect("factorised above");
         let params = KrylovParams { relative_tolerance: tolerance, max_iterations: REFACTOR_AFTER };
@@ -94,38 +90,12 @@ impl KktStep for ConjugateStep {
     }
 }
 
-/// `diag(S_vv, S_ww)⁻¹`, unknowns in the order of `S`: vertex, wheel, vertex, wheel, …
-struct Blocks {
-    vertex: SingleCholesky,
-    wheel: SingleCholesky,
-}
-
-/// Blocks with fewer unknowns than this are not worth a second thread.
-const PARALLEL_LEN: usize = 1 << 13;
-
-impl Blocks {
-    fn factorise(symbolic: &Arc<SymbolicCholesky>, s: &SymmetricMatrix<f64>) -> Result<Self, LinearError> {
-        let block = |part| Ok(SingleCholesky::of(&symbolic.factorise(&s.every_second(symbolic.pattern(), part))?));
-        let (vertex, wheel) = rayon::join(|| block(0), || block(1));
-        Ok(Self { vertex: vertex?, wheel: wheel? })
-    }
-}
-
-impl Preconditioner for Blocks {
-    fn apply(&self, r: &[f64], out: &mut [f64]) {
-        let solve = |factors: &SingleCholesky, part: usize| {
-            let part: Vec<f64> = r.iter().skip(part).step_by(2).copied().collect();
-            let mut solved = vec![0.0; part.len()];
-            factors.apply(&part, &mut solved);
-            solved
-        };
-        let (vertex, wheel) = if r.len() < PARALLEL_LEN {
-            (solve(&self.vertex, 0), solve(&self.wheel, 1))
-        } else {
-            rayon::join(|| solve(&self.vertex, 0), || solve(&self.wheel, 1))
-        };
-        for ((pair, v), w) in out.chunks_exact_mut(2).zip(vertex).zip(wheel) {
-            pair.copy_from_slice(&[v, w]);
-        }
-    }
+/// The two blocks of `S`, factorised side by side and rounded.
+fn factorise_blocks(
+    symbolic: &Arc<SymbolicCholesky>,
+    s: &SymmetricMatrix<f64>,
+) -> Result<Blocks<SingleCholesky>, LinearError> {
+    let block = |part| Ok(SingleCholesky::of(&symbolic.factorise(&s.every_second(symbolic.pattern(), part))?));
+    let (vertex, wheel) = rayon::join(|| block(0), || block(1));
+    Ok(Blocks { vertex: vertex?, wheel: wheel? })
 }

@@ -30,7 +30,7 @@ use std::sync::Arc;
 /// Factors that a solve needed more iterations than this with are outdated. Fresh ones need 11 to 46
 /// to a relative residual of 1e-10 at any size, so frozen ones that stay below this are as good, and
 /// above it a few saved iterations pay for a factorisation.
-const REFACTOR_AFTER: usize = 60;
+pub(crate) const REFACTOR_AFTER: usize = 60;
 
 /// Blocks with fewer unknowns than this are solved one after the other.
 const PARALLEL_LEN: usize = 1 << 12;
