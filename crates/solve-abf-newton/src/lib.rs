@@ -18,7 +18,7 @@ mod full_kkt;
 
 use abf_constraints::{AngleProblem, WheelForm};
 use abf_solve_core::{
-    AngleSolution, AngleSolver, DirectStep, Hessian, KktStep, NewtonSettings, Observer, SolveError, StopCriteria,
+    AngleSolution, AngleSolver, DirectStep, Hessian, NewtonSettings, Observer, SolveError, StopCriteria,
 };
 
 pub use full_kkt::FullKktStep;
@@ -85,12 +85,11 @@ impl AngleSolver for AbfNewton {
         observer: &mut dyn Observer,
     ) -> Result<AngleSolution, SolveError> {
         let not_diagonal = self.newton.wheel == WheelForm::Product && self.newton.hessian == Hessian::Exact;
-        let mut step: Box<dyn KktStep> = if self.inner == Inner::FullKkt || not_diagonal {
-            Box::new(FullKktStep::default())
+        if self.inner == Inner::FullKkt || not_diagonal {
+            self.newton.solve_with(problem, stop, observer, || Ok(FullKktStep::default()))
         } else {
-            Box::new(DirectStep::new(problem.topology(), problem.rows())?)
-        };
-        self.newton.solve(problem, stop, observer, step.as_mut())
+            self.newton.solve_with(problem, stop, observer, || DirectStep::new(problem.topology(), problem.rows()))
+        }
     }
 }
 

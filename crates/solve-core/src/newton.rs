@@ -17,8 +17,8 @@
 use crate::hessian::{exact_diagonal, gauss_newton};
 use crate::line_search::{Accepted, Merit};
 use crate::{
-    AngleSolution, BoundRule, Fallback, Hessian, IterationRecord, KktStep, KktSystem, KktVector, LineSearch, Observer,
-    ProductCurvature, SolveError, StepError, StopCriteria, Termination, Watch,
+    AngleSolution, BoundRule, Fallback, Hessian, IterationRecord, KktStep, KktSystem, KktVector, LineSearch,
+    LinearError, Observer, ProductCurvature, SolveError, StepError, StopCriteria, Termination, Watch,
 };
 use abf_constraints::{AngleProblem, TriangleRows, WheelDerivative, WheelForm, max_residual, residual};
 
@@ -68,6 +68,25 @@ pub struct NewtonSettings {
 }
 
 impl NewtonSettings {
+    /// [`NewtonSettings::solve`] with a step that is prepared after the clock has started: orderings and
+    /// analyses are part of the time limit.
+    ///
+    /// # Errors
+    /// As `solve`, and what `prepare` returns.
+    pub fn solve_with<S: KktStep>(
+        &self,
+        problem: &AngleProblem<'_>,
+        stop: &StopCriteria,
+        observer: &mut dyn Observer,
+        prepare: impl FnOnce() -> Result<S, LinearError>,
+    ) -> Result<AngleSolution, SolveError> {
+        stop.check()?;
+        self.check()?;
+        let mut watch = Watch::start(stop, observer);
+        let mut step = prepare()?;
+        self.run(problem, stop, &mut watch, &mut step)
+    }
+
     /// Iterates from the estimate of the problem until the criteria are met: the constraint residual
     /// *and* a last full step small.
     ///
@@ -84,9 +103,19 @@ impl NewtonSettings {
         stop.check()?;
         self.check()?;
         let mut watch = Watch::start(stop, observer);
+        self.run(problem, stop, &mut watch, step)
+    }
+
+    fn run(
+        &self,
+        problem: &AngleProblem<'_>,
+        stop: &StopCriteria,
+        watch: &mut Watch<'_>,
+        step: &mut dyn KktStep,
+    ) -> Result<AngleSolution, SolveError> {
         let mut run = Run::new(problem, *self);
         let termination = loop {
-            match run.iterate(step, &mut watch) {
+            match run.iterate(step, watch) {
                 Ok(true) => {}
                 Ok(false) => break Termination::Stalled,
                 Err(StepError::Linear(error)) if run.history.is_empty() => return Err(error.into()),
@@ -183,7 +212,9 @@ impl<'p, 'a> Run<'p, 'a> {
     fn iterate(&mut self, step: &mut dyn KktStep, watch: &mut Watch<'_>) -> Result<bool, StepError> {
         let here = self.linearise();
         let mut attempt = self.attempt(&here, self.settings.hessian, step, watch)?;
-        if attempt.accepted.is_none() && self.settings.hessian == Hessian::Exact {
+        // Without multipliers the exact Hessian is 2w already.
+        let is_other = self.settings.hessian == Hessian::Exact && self.multipliers.iter().any(|&m| m != 0.0);
+        if attempt.accepted.is_none() && is_other {
             let tried = attempt.record;
             attempt = self.attempt(&here, Hessian::GaussNewton, step, watch)?;
             attempt.record.fallback = Some(Fallback::LineSearch);

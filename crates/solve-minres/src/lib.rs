@@ -48,7 +48,7 @@ impl AngleSolver for Minres {
         observer: &mut dyn Observer,
     ) -> Result<AngleSolution, SolveError> {
         self.iterative.check(&self.newton)?;
-        let mut step = MinresStep::new(problem.topology(), problem.rows(), self.iterative)?;
-        self.newton.solve(problem, stop, observer, &mut step)
+        let prepare = || MinresStep::new(problem.topology(), problem.rows(), self.iterative);
+        self.newton.solve_with(problem, stop, observer, prepare)
     }
 }

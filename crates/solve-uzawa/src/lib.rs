@@ -50,7 +50,7 @@ impl AngleSolver for Uzawa {
         observer: &mut dyn Observer,
     ) -> Result<AngleSolution, SolveError> {
         self.iterative.check(&self.newton)?;
-        let mut step = UzawaStep::new(problem.topology(), problem.rows(), self.iterative)?;
-        self.newton.solve(problem, stop, observer, &mut step)
+        let prepare = || UzawaStep::new(problem.topology(), problem.rows(), self.iterative);
+        self.newton.solve_with(problem, stop, observer, prepare)
     }
 }
