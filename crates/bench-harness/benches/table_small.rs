@@ -10,7 +10,18 @@ fn main() {
     let mut table = Table::new(
         "table_small",
         "The small table of Linear Angle Based Parameterization: one iteration of ABF++ against LinABF, least squares",
-        &["model", "F ABF++ ×1", "paper", "L2 ABF++ ×1", "paper", "F LinABF", "paper", "L2 LinABF", "paper", "flips"],
+        &[
+            "model",
+            "F ABF++ ×1",
+            "paper's F ABF++ ×1",
+            "L2 ABF++ ×1",
+            "paper's L2 ABF++ ×1",
+            "F LinABF",
+            "paper's F LinABF",
+            "L2 LinABF",
+            "paper's L2 LinABF",
+            "flips",
+        ],
     );
     for Model { name, mesh } in models(&["horse", "dino"]) {
         let stop = StopCriteria { max_iterations: 1, ..StopCriteria::default() };

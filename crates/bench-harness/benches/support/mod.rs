@@ -157,7 +157,7 @@ impl Table {
 
     fn json(&self) -> Value {
         let row = |cells: &Vec<String>| -> Value {
-            self.head.iter().zip(cells).map(|(h, c)| ((*h).to_owned(), json!(c))).collect()
+            self.head.iter().zip(cells).map(|(h, c)| ((*h).to_owned(), cell(c))).collect()
         };
         json!({ "title": self.title, "rows": self.rows.iter().map(row).collect::<Vec<Value>>() })
     }
@@ -178,6 +178,11 @@ impl Table {
             cells("th scope=\"col\"", &head).replace("</th scope=\"col\">", "</th>")
         )
     }
+}
+
+/// A number where the cell shows one, else its text.
+fn cell(shown: &str) -> Value {
+    shown.parse::<f64>().map_or_else(|_| json!(shown), |number| json!(number))
 }
 
 /// Four digits of a small number.
