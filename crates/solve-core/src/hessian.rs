@@ -42,18 +42,18 @@ pub(crate) fn gauss_newton(problem: &AngleProblem<'_>) -> Vec<f64> {
     problem.weight().iter().map(|w| 2.0 * w).collect()
 }
 
-/// The diagonal of the exact Hessian at `angles`, and how many of its entries are negative.
+/// The diagonal of the exact Hessian at `angles`, from that of the energy alone, and how many of its entries are negative.
 ///
 /// A triangle whose entries cancel in `1ᵀ Λ⁻¹ 1` takes 2w: its own row could not be eliminated.
 pub(crate) fn exact_diagonal(
     problem: &AngleProblem<'_>,
+    gauss_newton: &[f64],
     form: WheelForm,
     angles: &[f64],
     multipliers: &[f64],
 ) -> (Vec<f64>, usize) {
     let (topology, rows) = (problem.topology(), problem.rows());
-    let gauss_newton = gauss_newton(problem);
-    let mut lambda = gauss_newton.clone();
+    let mut lambda = gauss_newton.to_vec();
     for (i, &v) in rows.interior().iter().enumerate() {
         let m = multipliers[rows.wheel(i)];
         for hub in topology.fan(v) {

@@ -273,7 +273,13 @@ impl<'p, 'a> Run<'p, 'a> {
     ) -> Result<Attempt, StepError> {
         let exact = match hessian {
             Hessian::GaussNewton => None,
-            Hessian::Exact => Some(exact_diagonal(self.problem, self.settings.wheel, &self.angles, &self.multipliers)),
+            Hessian::Exact => Some(exact_diagonal(
+                self.problem,
+                &self.gauss_newton,
+                self.settings.wheel,
+                &self.angles,
+                &self.multipliers,
+            )),
         };
         let is_product = self.settings.wheel == WheelForm::Product;
         let curvature = ProductCurvature { angles: &self.angles, multipliers: &self.multipliers };

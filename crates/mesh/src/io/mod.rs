@@ -30,7 +30,7 @@ use std::str::FromStr;
 pub use error::{Location, Place, ReadError};
 pub use materials::{Material, MaterialNote, Materials, load_materials};
 pub use notes::{ReadNotes, UvDropped};
-pub use write::{WriteError, write, write_obj, write_ply};
+pub use write::{WriteError, replace, write, write_obj, write_ply};
 
 use crate::{TriMesh, UvMap};
 

@@ -96,8 +96,12 @@ fn to_stream(out: impl Write, mesh: &TriMesh, uv: Option<&UvMap>, format: Format
     written.map_err(|cause| WriteError::Io { target: "output".to_owned(), cause })
 }
 
-/// Writes a temporary file beside `path`, then renames it.
-fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+/// Writes a temporary file beside `path`, then renames it: what stood there before stays until the new
+/// file is complete. A symbolic link is replaced, not followed.
+///
+/// # Errors
+/// When the system refuses, or `fill` does; no temporary file is left.
+pub fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".abf-").suffix(".tmp");
