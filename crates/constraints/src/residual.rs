@@ -1,34 +1,91 @@
 //! The three constraint families, stacked.
 
-use crate::{ConstraintRows, WheelForm};
+use crate::{ConstraintRows, WheelDerivative, WheelForm};
 use abf_mesh::{CornerId, Topology};
+use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Angles are kept this far from 0 and π, in radians, when a residual is reported: outside, the
 /// logarithm of the sine does not exist.
 pub const RESIDUAL_CLAMP: f64 = 1e-9;
 
+/// How many entries one task computes.
+const PER_TASK: usize = 1 << 12;
+
+/// So many sine ratios are multiplied before a logarithm is taken: even at the angle bounds their
+/// product stays far from the largest and the smallest number.
+const RATIOS_PER_LOG: usize = 16;
+
 /// All constraints at these angles, in the order of [`ConstraintRows`], length `nt + 2 ni`:
 ///
 /// * triangle `t`: `Σ x − π` over its corners (LinABF eq. (2))
 /// * vertex `v`: `Σ x − 2π` over the corners at `v` (LinABF eq. (1))
-/// * wheel `v`: [`WheelForm::value`] (LinABF eq. (3))
+/// * wheel `v`: [`WheelForm::value`] (LinABF eq. (3)); in the log form NaN where a sine is not positive
 #[must_use]
 pub fn residual(form: WheelForm, topology: &Topology, rows: &ConstraintRows, angles: &[f64]) -> Vec<f64> {
-    let mut h = Vec::with_capacity(rows.len());
-    h.extend(angles.chunks_exact(3).map(|x| x[0] + x[1] + x[2] - PI));
-    let ring = |&v| topology.fan(v).map(CornerId::index).map(|c| angles[c]).sum::<f64>() - TAU;
-    h.extend(rows.interior().iter().map(ring));
-    match form {
-        // Every corner is in two wheels: its logarithm is taken once.
-        WheelForm::Log => {
-            let log_sines: Vec<f64> = angles.iter().map(|x| x.sin().ln()).collect();
-            let ratio = |c: CornerId| log_sines[c.next().index()] - log_sines[c.prev().index()];
-            h.extend(rows.interior().iter().map(|&v| topology.fan(v).map(ratio).sum::<f64>()));
-        }
-        WheelForm::Product => h.extend(rows.interior().iter().map(|&v| form.value(topology, v, angles))),
+    let sines = match form {
+        // Every corner is in two wheels: its sine is taken once.
+        WheelForm::Log => per_corner(angles, f64::sin),
+        WheelForm::Product => Vec::new(),
+    };
+    let mut h = with_sines(rows, angles, &sines);
+    if form == WheelForm::Product {
+        let wheels = h[rows.vertex(rows.interior_count())..].iter_mut().zip(rows.interior());
+        wheels.for_each(|(h, &v)| *h = form.value(topology, v, angles));
     }
     h
+}
+
+/// The constraints in the log form and the derivative of the wheels, from one sine and one cosine per corner.
+#[must_use]
+pub fn linearise(rows: &ConstraintRows, angles: &[f64]) -> (Vec<f64>, WheelDerivative) {
+    let (mut sines, mut cotangents) = (vec![0.0; angles.len()], vec![0.0; angles.len()]);
+    let chunks = sines.par_chunks_mut(PER_TASK).zip(cotangents.par_chunks_mut(PER_TASK));
+    chunks.zip(angles.par_chunks(PER_TASK)).for_each(|((sines, cotangents), angles)| {
+        for ((sine, cotangent), x) in sines.iter_mut().zip(cotangents).zip(angles) {
+            let (s, c) = x.sin_cos();
+            *sine = s;
+            *cotangent = c / s;
+        }
+    });
+    (with_sines(rows, angles, &sines), WheelDerivative::of_cotangents(cotangents))
+}
+
+/// The residual, wheels in the log form; they stay zero where no sines are given.
+fn with_sines(rows: &ConstraintRows, angles: &[f64], sines: &[f64]) -> Vec<f64> {
+    let (nt, ni) = (rows.triangle_count(), rows.interior_count());
+    let mut h = vec![0.0; rows.len()];
+    let (triangles, others) = h.split_at_mut(nt);
+    let (vertices, wheels) = others.split_at_mut(ni);
+    triangles.par_chunks_mut(PER_TASK).zip(angles.par_chunks(3 * PER_TASK)).for_each(|(h, angles)| {
+        h.iter_mut().zip(angles.chunks_exact(3)).for_each(|(h, x)| *h = x[0] + x[1] + x[2] - PI);
+    });
+    vertices.par_chunks_mut(PER_TASK).zip(wheels.par_chunks_mut(PER_TASK)).enumerate().for_each(|(task, (v, w))| {
+        for (k, (vertex, wheel)) in v.iter_mut().zip(w).enumerate() {
+            let hubs = rows.hubs(task * PER_TASK + k);
+            *vertex = hubs.iter().map(|c| angles[c.index()]).sum::<f64>() - TAU;
+            if !sines.is_empty() {
+                *wheel = log_ratio_of_sines(hubs, sines);
+            }
+        }
+    });
+    h
+}
+
+/// `Σ log sin x[next] − log sin x[prev]` over a ring.
+fn log_ratio_of_sines(hubs: &[CornerId], sines: &[f64]) -> f64 {
+    let positive = |c: CornerId| if sines[c.index()] > 0.0 { sines[c.index()] } else { f64::NAN };
+    let ratio = |c: &CornerId| positive(c.next()) / positive(c.prev());
+    hubs.chunks(RATIOS_PER_LOG).map(|hubs| hubs.iter().map(ratio).product::<f64>().ln()).sum()
+}
+
+/// `f` of every angle, in parallel.
+pub(crate) fn per_corner(angles: &[f64], f: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
+    let mut out = vec![0.0; angles.len()];
+    out.par_chunks_mut(PER_TASK).zip(angles.par_chunks(PER_TASK)).for_each(|(out, angles)| {
+        out.iter_mut().zip(angles).for_each(|(out, &x)| *out = f(x));
+    });
+    out
 }
 
 /// `max |h|` in the log form, the angles clamped to `[1e-9, π − 1e-9]`: the residual that every

@@ -1,6 +1,6 @@
 //! Which constraint is which row.
 
-use abf_mesh::{FaceId, Topology, VertexId};
+use abf_mesh::{CornerId, FaceId, Topology, VertexId};
 
 /// Marks a vertex without constraints.
 const NONE: u32 = u32::MAX;
@@ -12,6 +12,9 @@ pub struct ConstraintRows {
     triangle_count: usize,
     interior: Vec<VertexId>,
     interior_index: Vec<u32>,
+    /// Where the corners of each interior vertex begin in `hubs`.
+    hub_start: Vec<u32>,
+    hubs: Vec<CornerId>,
 }
 
 impl ConstraintRows {
@@ -23,7 +26,14 @@ impl ConstraintRows {
         for (i, v) in interior.iter().enumerate() {
             interior_index[v.index()] = i as u32;
         }
-        Self { triangle_count: topology.face_count(), interior, interior_index }
+        let mut hub_start = Vec::with_capacity(interior.len() + 1);
+        let mut hubs = Vec::with_capacity(topology.corner_count());
+        hub_start.push(0);
+        for &v in &interior {
+            hubs.extend(topology.fan(v));
+            hub_start.push(hubs.len() as u32);
+        }
+        Self { triangle_count: topology.face_count(), interior, interior_index, hub_start, hubs }
     }
 
     /// `nt`.
@@ -54,6 +64,27 @@ impl ConstraintRows {
     #[must_use]
     pub fn interior(&self) -> &[VertexId] {
         &self.interior
+    }
+
+    /// The corners at the `i`-th interior vertex, counter-clockwise: what [`Topology::fan`] walks, kept.
+    #[inline]
+    #[must_use]
+    pub fn hubs(&self, i: usize) -> &[CornerId] {
+        &self.hubs[self.hub_range(i)]
+    }
+
+    /// Where [`ConstraintRows::hubs`] of the `i`-th interior vertex stands in the list of all of them,
+    /// vertex by vertex: the place for data kept per spoke of a wheel.
+    #[inline]
+    #[must_use]
+    pub fn hub_range(&self, i: usize) -> std::ops::Range<usize> {
+        self.hub_start[i] as usize..self.hub_start[i + 1] as usize
+    }
+
+    /// How many spokes all wheels have together.
+    #[must_use]
+    pub fn hub_count(&self) -> usize {
+        self.hubs.len()
     }
 
     /// The place of a vertex among the interior ones; `None` on the boundary.

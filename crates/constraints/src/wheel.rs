@@ -12,6 +12,7 @@
 //! couples every pair of `next` corners, and every pair of `prev` corners, of a ring.
 
 use crate::ConstraintRows;
+use crate::residual::per_corner;
 use abf_mesh::{CornerId, Topology, VertexId};
 use std::fmt;
 use std::str::FromStr;
@@ -91,12 +92,24 @@ impl WheelDerivative {
     /// The derivative at these angles, one per corner, radians.
     #[must_use]
     pub fn new(form: WheelForm, topology: &Topology, rows: &ConstraintRows, angles: &[f64]) -> Self {
-        let cotangents = angles.iter().map(|x| x.tan().recip()).collect();
+        let cotangents = per_corner(angles, |x| x.tan().recip());
         let factors = match form {
             WheelForm::Log => Vec::new(),
             WheelForm::Product => rows.interior().iter().map(|&v| sine_products(topology, v, angles)).collect(),
         };
         Self { cotangents, factors }
+    }
+
+    /// The derivative in the log form.
+    pub(crate) fn of_cotangents(cotangents: Vec<f64>) -> Self {
+        Self { cotangents, factors: Vec::new() }
+    }
+
+    /// `cot x` per corner. In the log form these are all the coefficients there are: `+cot x[next]` and
+    /// `−cot x[prev]`.
+    #[must_use]
+    pub fn cotangents(&self) -> &[f64] {
+        &self.cotangents
     }
 
     /// The coefficients of `x[next]` and `x[prev]` in the wheel row of the `interior`-th interior

@@ -6,8 +6,7 @@ use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::solvers::LltError;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    self as faer_cholesky, CholeskySymbolicParams, LltRef, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
+    self as faer_cholesky, CholeskySymbolicParams, LltRef, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{FaerError, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
@@ -100,20 +99,6 @@ impl<T: Scalar> Cholesky<T> {
     #[must_use]
     pub fn size(&self) -> usize {
         self.symbolic.pattern.size()
-    }
-
-    /// Calls `visit(begin, columns, rows, values)` for every block of columns of equal pattern, in
-    /// order; `values` holds the columns one after the other, each its entries inside the block and then
-    /// those in the shared `rows` below.
-    pub(crate) fn for_each_block(&self, mut visit: impl FnMut(usize, usize, &[u32], &[T])) {
-        // A matrix without unknowns is the one case that faer does not treat by supernodes.
-        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.symbolic.raw() else { return };
-        let starts = symbolic.col_ptr_for_val();
-        for s in 0..symbolic.n_supernodes() {
-            let block = SupernodalLltRef::new(symbolic, &self.factor).supernode(s);
-            let values = &self.factor[starts[s] as usize..starts[s + 1] as usize];
-            visit(block.start(), block.val().ncols(), block.pattern(), values);
-        }
     }
 
     /// Overwrites `rhs` (columns of length [`SymmetricPattern::size`], one after the other) with

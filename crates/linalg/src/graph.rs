@@ -44,6 +44,21 @@ impl Graph {
         Self { start, neighbours }
     }
 
+    /// The graph whose vertex `v` has these neighbours; each edge must be named from both ends.
+    /// Repetitions are dropped.
+    #[must_use]
+    pub fn from_neighbours<I: Iterator<Item = u32>>(vertex_count: usize, neighbours: impl Fn(usize) -> I) -> Self {
+        let mut start = Vec::with_capacity(vertex_count + 1);
+        let mut all = Vec::new();
+        start.push(0);
+        for v in 0..vertex_count {
+            all.extend(neighbours(v));
+            start.push(all.len() as u32);
+        }
+        compact(&mut start, &mut all);
+        Self { start, neighbours: all }
+    }
+
     /// How many vertices there are.
     #[must_use]
     pub fn vertex_count(&self) -> usize {
@@ -76,6 +91,111 @@ impl Graph {
         amd::order(&mut new_to_old, &mut old_to_new, pattern.as_ref(), amd::Control::default(), stack)
             .map_err(|_| LinearError::TooLarge { size })?;
         Ok(Permutation { new_to_old, old_to_new })
+    }
+}
+
+impl Graph {
+    /// Renumbers an elimination order so that large subtrees of its elimination tree come first, one after
+    /// the other, and the vertices that separate them last. The fill does not change: every vertex still
+    /// comes before its ancestors. What is eliminated in one part does not touch another.
+    #[must_use]
+    pub fn in_parts(&self, order: &Permutation) -> (Permutation, Parts) {
+        let size = self.vertex_count();
+        if size < SMALLEST_WHOLE {
+            return (order.clone(), Parts::default());
+        }
+        let parent = self.elimination_tree(order);
+        let mut weight = vec![1_u32; size];
+        for v in 0..size {
+            if parent[v] != NONE {
+                weight[parent[v] as usize] += weight[v];
+            }
+        }
+        // From the roots down: a subtree that is too large loses its root to the separating vertices.
+        let largest = (size / PARTS) as u32;
+        let mut part = vec![NONE; size];
+        let mut ends: Vec<u32> = Vec::new();
+        let mut filled = 0;
+        for v in (0..size).rev() {
+            let inherited = if parent[v] == NONE { NONE } else { part[parent[v] as usize] };
+            part[v] = if inherited != NONE {
+                inherited
+            } else if weight[v] > largest {
+                NONE
+            } else {
+                // The next subtree joins the last part while there is room.
+                if ends.is_empty() || filled + weight[v] > largest {
+                    ends.push(0);
+                    filled = 0;
+                }
+                filled += weight[v];
+                (ends.len() - 1) as u32
+            };
+            if part[v] != NONE {
+                ends[part[v] as usize] += 1;
+            }
+        }
+        let mut cursor: Vec<u32> = Vec::with_capacity(ends.len() + 1);
+        let mut total = 0;
+        for end in &mut ends {
+            cursor.push(total);
+            total += *end;
+            *end = total;
+        }
+        let mut separating = total;
+        let mut new_to_old = vec![0_u32; size];
+        for v in 0..size {
+            let place = if part[v] == NONE { &mut separating } else { &mut cursor[part[v] as usize] };
+            new_to_old[*place as usize] = order.new_to_old[v];
+            *place += 1;
+        }
+        (Permutation::from_elimination_order(new_to_old), Parts { ends })
+    }
+
+    /// For every vertex, by its place in the order, the place of its parent in the elimination tree
+    /// (Liu 1986); `NONE` for a root.
+    fn elimination_tree(&self, order: &Permutation) -> Vec<u32> {
+        let size = self.vertex_count();
+        let (mut parent, mut ancestor) = (vec![NONE; size], vec![NONE; size]);
+        for v in 0..size {
+            for &neighbour in self.neighbours(order.old_index(v)) {
+                let mut at = order.new_index(neighbour as usize);
+                // Climb to the root, and make the path short for the next one.
+                while at < v {
+                    let above = std::mem::replace(&mut ancestor[at], v as u32);
+                    if above == NONE {
+                        parent[at] = v as u32;
+                        break;
+                    }
+                    at = above as usize;
+                }
+            }
+        }
+        parent
+    }
+}
+
+/// Marks a vertex without parent, or outside all parts.
+const NONE: u32 = u32::MAX;
+
+/// A tree is cut into about so many parts: enough to keep threads busy to the end.
+const PARTS: usize = 16;
+
+/// Below this many vertices a graph stays in one part.
+const SMALLEST_WHOLE: usize = 1 << 12;
+
+/// Unknowns `0..` of an elimination order that fall into independent parts, followed by those that
+/// separate them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Parts {
+    ends: Vec<u32>,
+}
+
+impl Parts {
+    /// The unknowns of each part.
+    pub fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+        let begins = std::iter::once(0).chain(self.ends.iter().copied());
+        begins.zip(&self.ends).map(|(begin, &end)| begin as usize..end as usize)
     }
 }
 

@@ -35,11 +35,11 @@ mod sparse;
 mod symmetric;
 #[cfg(test)]
 mod test_support;
-mod vector;
+pub mod vector;
 
 pub use cg::cg;
 pub use cholesky::{Cholesky, SymbolicCholesky};
-pub use graph::{Graph, Permutation};
+pub use graph::{Graph, Parts, Permutation};
 pub use indefinite::Indefinite;
 pub use krylov::{KrylovEnd, KrylovParams, KrylovStats};
 pub use lu::{Lu, SymbolicLu};

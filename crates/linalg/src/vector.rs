@@ -13,23 +13,34 @@ const CHUNK: usize = 4096;
 const PARALLEL_LEN: usize = 1 << 16;
 
 /// `Σ xᵢ yᵢ`.
-pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
+///
+/// # Panics
+/// If the lengths differ.
+#[must_use]
+pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     assert_eq!(x.len(), y.len(), "vectors of one length");
     sum_chunks(x, y, |x, y| x.iter().zip(y).map(|(a, b)| a * b).sum())
 }
 
 /// `√(Σ |xᵢ|²)`.
-pub(crate) fn norm<T: Scalar>(x: &[T]) -> f64 {
+#[must_use]
+pub fn norm<T: Scalar>(x: &[T]) -> f64 {
     sum_chunks(x, x, |x, _| x.iter().map(|v| v.norm_squared()).sum()).sqrt()
 }
 
 /// `y ← y + a x`.
-pub(crate) fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
+///
+/// # Panics
+/// If the lengths differ.
+pub fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
     update(x, y, |x, y| y + a * x);
 }
 
 /// `y ← x + a y`.
-pub(crate) fn xpay(x: &[f64], a: f64, y: &mut [f64]) {
+///
+/// # Panics
+/// If the lengths differ.
+pub fn xpay(x: &[f64], a: f64, y: &mut [f64]) {
     update(x, y, |x, y| x + a * y);
 }
 

@@ -16,7 +16,7 @@
 //! A solver cannot grade its own work: [`AngleSolution::measure`] is the only way to make a
 //! solution, and it computes the constraint residual from the angles.
 
-mod conjugate;
+mod correction;
 mod direct;
 mod hessian;
 mod iterative;
@@ -32,9 +32,10 @@ mod solver;
 mod stop;
 #[cfg(test)]
 mod test_support;
+mod wheels;
 
 pub use abf_linalg::{LinearError, LinearStats};
-pub use conjugate::ConjugateStep;
+pub use correction::{LeastCorrection, Linearisation};
 pub use direct::DirectStep;
 pub use hessian::Hessian;
 pub use iterative::{IterativeSettings, PreconditionerKind, Reduction};

@@ -18,10 +18,10 @@
 //! by the square of the error, so one pass is often all there is to do; further passes re-centre:
 //! they take the result, kept inside the angle bounds, as the next estimate (end of §6).
 
-use abf_constraints::{AngleProblem, RESIDUAL_CLAMP, WheelDerivative, WheelForm, largest, max_residual, residual};
+use abf_constraints::{AngleProblem, RESIDUAL_CLAMP, WheelDerivative, largest, linearise, max_residual};
 use abf_solve_core::{
-    AngleSolution, AngleSolver, ConjugateStep, DirectStep, IterationRecord, KktStep, KktSystem, KktVector, Observer,
-    SolveError, StepError, StopCriteria, Termination, Watch,
+    AngleSolution, AngleSolver, DirectStep, IterationRecord, KktStep, KktSystem, KktVector, LeastCorrection,
+    Linearisation, Observer, SolveError, StepError, StepReport, StopCriteria, Termination, Watch,
 };
 use std::f64::consts::PI;
 use std::fmt;
@@ -71,14 +71,19 @@ const PATIENCE: usize = 4;
 /// With [`Passes::Auto`]: a pass improves when it brings the residual below this fraction of the best.
 const IMPROVEMENT: f64 = 0.5;
 
-/// The relative residual of a pass that is to be the last: as good as a direct solve gets.
+/// The relative residual asked of the solve of a pass that is one of a number.
 const TIGHTEST: f64 = 1e-11;
 
-/// The relative residual of an early pass: its linearisation is off by more than this.
-const LOOSEST: f64 = 1e-2;
+/// The first pass brings the linearised constraints to this part of what they were: how far its
+/// linearisation is off is not known yet, but it is more than this.
+const FIRST: f64 = 0.03;
 
-/// A last pass aims this far below the tolerance, because it is judged in another norm.
-const SAFETY: f64 = 0.1;
+/// A last pass aims this far below the tolerance, because its linearisation is a little off.
+const SAFETY: f64 = 0.5;
+
+/// When the linearisation of a pass is expected to be off by at most this multiple of the tolerance, the
+/// pass aims to be the last.
+const HOPE: f64 = 0.5;
 
 impl AngleSolver for LinAbf {
     fn name(&self) -> &'static str {
@@ -93,10 +98,9 @@ impl AngleSolver for LinAbf {
     ) -> Result<AngleSolution, SolveError> {
         stop.check()?;
         let mut watch = Watch::start(stop, observer);
-        let mut run = Run::new(problem, self.step(problem, stop)?);
+        let mut run = Run::new(problem, self.inner(problem, stop)?);
         let termination = loop {
-            let tolerance = self.inner_tolerance(&run, stop);
-            match run.pass(tolerance, &mut watch) {
+            match run.pass(stop, &mut watch) {
                 Ok(()) => {}
                 Err(StepError::Linear(error)) if run.history.is_empty() => return Err(error.into()),
                 // The angles so far are usable; the next estimate was not.
@@ -113,30 +117,17 @@ impl AngleSolver for LinAbf {
 }
 
 impl LinAbf {
-    /// A single pass is one factorisation of `S`. Several passes start close to each other, and each
-    /// needs only the digits that the next one can use: conjugate gradients with the factors of the first.
-    fn step(&self, problem: &AngleProblem<'_>, stop: &StopCriteria) -> Result<Box<dyn KktStep>, SolveError> {
+    /// A number of passes is that many factorisations of `S`, each in the metric of its own estimate. Passes
+    /// until the residual is met start close to each other: they keep the metric of the first, and each
+    /// computes no more digits than the next can use.
+    fn inner(&self, problem: &AngleProblem<'_>, stop: &StopCriteria) -> Result<Inner, SolveError> {
         let (topology, rows) = (problem.topology(), problem.rows());
         Ok(match self.passes {
-            Passes::Auto if stop.max_iterations > 1 => Box::new(ConjugateStep::new(topology, rows)?),
-            _ => Box::new(DirectStep::new(topology, rows)?),
-        })
-    }
-
-    /// The relative residual for the next pass. After a pass the constraints are off by the square of
-    /// its correction, so what is left of them before it says how many digits it can use; and when
-    /// fewer are enough to meet the tolerance, fewer are asked for.
-    fn inner_tolerance(&self, run: &Run<'_, '_>, stop: &StopCriteria) -> f64 {
-        let is_last = run.history.len() + 1 >= stop.max_iterations;
-        match (self.passes, run.history.last()) {
-            (Passes::Exactly(_), _) => TIGHTEST,
-            (Passes::Auto, _) if is_last => TIGHTEST,
-            (Passes::Auto, None) => LOOSEST,
-            (Passes::Auto, Some(last)) => {
-                let residual = last.constraint_residual;
-                residual.max(SAFETY * stop.tolerance / residual).clamp(TIGHTEST, LOOSEST)
+            Passes::Auto if stop.max_iterations > 1 => {
+                Inner::Inexact(LeastCorrection::new(topology, rows, metric(problem.estimate()))?)
             }
-        }
+            _ => Inner::Direct(DirectStep::new(topology, rows)?),
+        })
     }
 
     /// Whether the passes so far are enough.
@@ -158,15 +149,28 @@ impl LinAbf {
     }
 }
 
+/// `Λ = 2/α²` (LinABF eq. (12)).
+fn metric(estimate: &[f64]) -> Vec<f64> {
+    estimate.iter().map(|x| 2.0 / (x * x)).collect()
+}
+
+/// What solves for the correction of a pass.
+enum Inner {
+    Direct(DirectStep),
+    Inexact(LeastCorrection),
+}
+
 /// The workspace of one solve.
 struct Run<'p, 'a> {
     problem: &'p AngleProblem<'a>,
-    step: Box<dyn KktStep>,
-    zero_gradient: Vec<f64>,
+    inner: Inner,
     /// The result of the last pass; before the first, the estimate.
     angles: Vec<f64>,
-    /// The constraints at `angles`.
+    /// The constraints at `angles` and their derivative.
     residual: Vec<f64>,
+    wheel: WheelDerivative,
+    /// How far the constraints were off where the last pass started.
+    residual_before: f64,
     /// The result with the smallest residual.
     best: Vec<f64>,
     best_residual: f64,
@@ -175,13 +179,15 @@ struct Run<'p, 'a> {
 }
 
 impl<'p, 'a> Run<'p, 'a> {
-    fn new(problem: &'p AngleProblem<'a>, step: Box<dyn KktStep>) -> Self {
+    fn new(problem: &'p AngleProblem<'a>, inner: Inner) -> Self {
+        let (residual, wheel) = linearise(problem.rows(), problem.estimate());
         Self {
             problem,
-            step,
-            zero_gradient: vec![0.0; problem.topology().corner_count()],
+            inner,
             angles: problem.estimate().to_vec(),
-            residual: residual(WheelForm::Log, problem.topology(), problem.rows(), problem.estimate()),
+            residual,
+            wheel,
+            residual_before: f64::NAN,
             best: problem.estimate().to_vec(),
             best_residual: f64::INFINITY,
             passes_without_improvement: 0,
@@ -190,41 +196,27 @@ impl<'p, 'a> Run<'p, 'a> {
     }
 
     /// One pass: from the last angles, kept inside the bounds, to the least-norm correction.
-    fn pass(&mut self, tolerance: f64, watch: &mut Watch<'_>) -> Result<(), StepError> {
-        let (topology, rows) = (self.problem.topology(), self.problem.rows());
-        let mut estimate = self.angles.clone();
-        let moved = self.problem.settings().clamp(&mut estimate);
+    fn pass(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Result<(), StepError> {
+        let moved = self.problem.settings().clamp(&mut self.angles);
         if moved > 0 {
-            self.residual = residual(WheelForm::Log, topology, rows, &estimate);
+            (self.residual, self.wheel) = linearise(self.problem.rows(), &self.angles);
         }
         let moved_angles = if self.history.is_empty() { self.problem.moved_angles() } else { moved };
+        let before = largest(&self.residual);
+        let (report, correction) = self.correction(before, stop, watch)?;
 
-        let lambda: Vec<f64> = estimate.iter().map(|x| 2.0 / (x * x)).collect();
-        let kkt = KktSystem {
-            topology,
-            rows,
-            lambda: &lambda,
-            gauss_newton: &lambda,
-            off_diagonal: None,
-            wheel: &WheelDerivative::new(WheelForm::Log, topology, rows, &estimate),
-            gradient: &self.zero_gradient,
-            residual: &self.residual,
-        };
-        let mut out = KktVector::default();
-        let stats = self.step.step(&kkt, tolerance, watch, &mut out)?;
-
-        let step = out.delta.iter().fold(0.0, |max: f64, e| max.max(e.abs()));
-        estimate.iter_mut().zip(&out.delta).for_each(|(x, e)| *x += e);
-        self.angles = estimate;
-        self.residual = residual(WheelForm::Log, topology, rows, &self.angles);
+        let step = correction.iter().fold(0.0, |max: f64, e| max.max(e.abs()));
+        self.angles.iter_mut().zip(&correction).for_each(|(x, e)| *x += e);
+        (self.residual, self.wheel) = linearise(self.problem.rows(), &self.angles);
+        self.residual_before = before;
         let record = IterationRecord {
             iteration: self.history.len() + 1,
             constraint_residual: self.constraint_residual(),
             step,
-            inner_iterations: stats.iterations,
-            inner_residual: stats.relative_residual,
-            inner_estimate: stats.estimate,
-            inner_converged: stats.inner_converged,
+            inner_iterations: report.iterations,
+            inner_residual: report.relative_residual,
+            inner_estimate: report.estimate,
+            inner_converged: report.inner_converged,
             moved_angles,
             step_length: 1.0,
             ..IterationRecord::default()
@@ -233,6 +225,56 @@ impl<'p, 'a> Run<'p, 'a> {
         self.history.push(record);
         watch.iteration(&record);
         Ok(())
+    }
+
+    /// The least-norm correction `e` of the angles: `J e = −h`.
+    fn correction(
+        &mut self,
+        before: f64,
+        stop: &StopCriteria,
+        watch: &mut Watch<'_>,
+    ) -> Result<(StepReport, Vec<f64>), StepError> {
+        let target = self.target(before, stop);
+        let (topology, rows) = (self.problem.topology(), self.problem.rows());
+        match &mut self.inner {
+            Inner::Inexact(inner) => {
+                let here = Linearisation { topology, rows, wheel: &self.wheel, residual: &self.residual };
+                let mut correction = vec![0.0; self.angles.len()];
+                let report = inner.solve(&here, target, watch, &mut correction)?;
+                Ok((report, correction))
+            }
+            Inner::Direct(inner) => {
+                let lambda = metric(&self.angles);
+                let kkt = KktSystem {
+                    topology,
+                    rows,
+                    lambda: &lambda,
+                    gauss_newton: &lambda,
+                    off_diagonal: None,
+                    wheel: &self.wheel,
+                    gradient: &vec![0.0; self.angles.len()],
+                    residual: &self.residual,
+                };
+                let mut out = KktVector::default();
+                let report = inner.step(&kkt, TIGHTEST, watch, &mut out)?;
+                Ok((report, out.delta))
+            }
+        }
+    }
+
+    /// How well the linearised constraints must be met, `max |h + J e|`, when they are off by `now`.
+    ///
+    /// What a linearisation leaves out falls with the square of what it starts from, so the last pass tells
+    /// how far this one can get. It need not get further: the next one starts from there. Where that is about
+    /// the tolerance, this one is to be the last.
+    fn target(&self, now: f64, stop: &StopCriteria) -> f64 {
+        let last = SAFETY * stop.tolerance;
+        let is_last = self.history.len() + 1 >= stop.max_iterations;
+        let Some(record) = self.history.last().filter(|_| !is_last) else {
+            return if is_last { last } else { last.max(FIRST * now.min(now * now)) };
+        };
+        let reach = record.constraint_residual * (now / self.residual_before).powi(2);
+        if reach <= HOPE * stop.tolerance { last } else { reach.min(0.05 * now).max(last) }
     }
 
     /// `max |h|`, from the constraints at hand where all angles are inside (0, π).

@@ -1,0 +1,282 @@
+//! The smallest change of the angles that meets linearised constraints, several times in one metric.
+//!
+//! ```text
+//! minimise eᵀ Λ e   subject to   J e = −h,        Λ > 0 the same every time, J and h new.
+//! ```
+//!
+//! The reduced system is `S = [A B; Bᵀ D]`, vertex rows first. `A` depends on `Λ` alone, so its factor is
+//! exact as long as the metric stays; and with `A⁻¹` at hand the vertex multipliers are eliminated:
+//!
+//! ```text
+//! (D − Bᵀ A⁻¹ B) μ_w = r_w − Bᵀ A⁻¹ r_v,        μ_v = A⁻¹ (r_v − B μ_w).
+//! ```
+//!
+//! Conjugate gradients on this half-sized system, preconditioned by a factor of the *first* `D`, take half
+//! as many iterations as on `S` with both factors (Reid 1972 on matrices with property A), and the
+//! eliminated half never has a residual. The rest of the residual of `S` is that of the linearised
+//! constraints themselves, so it is known at every iteration how well `e` will meet them.
+
+use crate::wheels::{Block, Spokes, back_substitute, right_hand_side, vertex_block, wheel_blocks};
+use crate::{DirectStep, KktStep, KktSystem, KktVector, LinearError, StepError, StepReport, Watch};
+use abf_constraints::{ConstraintRows, WheelDerivative};
+use abf_linalg::{Parts, Permutation, SingleCholesky, SymbolicCholesky, vector};
+use abf_mesh::Topology;
+use std::sync::Arc;
+
+/// A solve that needed more iterations than this has an outdated preconditioner.
+const REFACTOR_AFTER: usize = 40;
+
+/// The factor of `A` is in single precision: what it leaves over is solved for again, at most so often.
+const ROUNDS: usize = 4;
+
+/// A round is worth another if it brings the residual below this part of what it was.
+const PROGRESS: f64 = 0.5;
+
+/// The iteration aims this far below the target: rounding adds the rest.
+const CAUTION: f64 = 0.8;
+
+/// Linearised constraints.
+#[derive(Clone, Copy, Debug)]
+pub struct Linearisation<'a> {
+    /// Who meets whom.
+    pub topology: &'a Topology,
+    /// Which constraint is which row.
+    pub rows: &'a ConstraintRows,
+    /// The part of `J` that depends on the angles, in the log form.
+    pub wheel: &'a WheelDerivative,
+    /// h, length nt + 2 ni.
+    pub residual: &'a [f64],
+}
+
+/// Solves for least corrections in one metric.
+#[derive(Debug)]
+pub struct LeastCorrection {
+    lambda: Vec<f64>,
+    inverse: Vec<f64>,
+    spokes: Spokes,
+    order: Permutation,
+    parts: Parts,
+    symbolic: Arc<SymbolicCholesky>,
+    /// `A`, `B`, `Bᵀ` and `D`, by rows.
+    a: Block,
+    b: Block,
+    c: Block,
+    d: Block,
+    vertex_factor: Option<SingleCholesky>,
+    wheel_factor: Option<SingleCholesky>,
+}
+
+impl LeastCorrection {
+    /// Orders and analyses the blocks of a topology for the metric `Λ = diag(lambda)`, one positive entry
+    /// per corner.
+    ///
+    /// # Errors
+    /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
+    pub fn new(topology: &Topology, rows: &ConstraintRows, lambda: Vec<f64>) -> Result<Self, LinearError> {
+        let spokes = Spokes::new(topology, rows);
+        let graph = spokes.graph(rows);
+        let (order, parts) = graph.in_parts(&graph.amd()?);
+        let pattern = abf_linalg::SymmetricPattern::of_blocks(&graph, &order, 1);
+        let symbolic = SymbolicCholesky::analyse(Arc::new(pattern))?;
+        let inverse: Vec<f64> = lambda.iter().map(|l| 1.0 / l).collect();
+        let mut a = Block::zeros(rows);
+        vertex_block(rows, &inverse, &mut a);
+        let [b, c, d] = [Block::zeros(rows), Block::zeros(rows), Block::zeros(rows)];
+        Ok(Self { lambda, inverse, spokes, order, parts, symbolic, a, b, c, d, vertex_factor: None, wheel_factor: None })
+    }
+
+    /// Writes the correction into `change`, one entry per corner. Stops when no linearised constraint is off
+    /// by more than `target`; triangle and vertex conditions are then met better than that.
+    ///
+    /// # Errors
+    /// [`StepError`] when there is no solution or the watch interrupts.
+    pub fn solve(
+        &mut self,
+        here: &Linearisation<'_>,
+        target: f64,
+        watch: &mut Watch<'_>,
+        change: &mut [f64],
+    ) -> Result<StepReport, StepError> {
+        wheel_blocks(here.rows, &self.inverse, here.wheel, [&mut self.b, &mut self.c, &mut self.d]);
+        let mut tried = 0;
+        let mut was_frozen = true;
+        while was_frozen {
+            was_frozen = self.wheel_factor.is_some();
+            if self.factorise(here.rows).is_err() {
+                break;
+            }
+            let mut solve = Solve::start(self, here);
+            let converged = solve.rounds(target, watch)?;
+            tried += solve.iterations;
+            if converged {
+                let report = solve.report(tried);
+                let Solve { vertices, wheels, .. } = solve;
+                let multipliers = [&*vertices, &*wheels];
+                back_substitute(here.topology, here.rows, &self.inverse, here.wheel, here.residual, multipliers, change);
+                return Ok(report);
+            }
+            self.wheel_factor = None;
+        }
+        self.directly(here, target, watch, change, tried)
+    }
+
+    /// Factors of `A` and of the current `D`, where there are none.
+    fn factorise(&mut self, rows: &ConstraintRows) -> Result<(), LinearError> {
+        let Self { spokes, symbolic, order, parts, .. } = &*self;
+        let factor = |block: &Block| {
+            symbolic.factorise_single(&spokes.symmetric(rows, block, symbolic.pattern(), order), parts)
+        };
+        let (vertex, wheel) = rayon::join(
+            || self.vertex_factor.is_none().then(|| factor(&self.a)).transpose(),
+            || self.wheel_factor.is_none().then(|| factor(&self.d)).transpose(),
+        );
+        let (vertex, wheel) = (vertex?, wheel?);
+        self.vertex_factor = vertex.or(self.vertex_factor.take());
+        self.wheel_factor = wheel.or(self.wheel_factor.take());
+        Ok(())
+    }
+
+    /// The way out when conjugate gradients fail: one factorisation of `S` itself.
+    fn directly(
+        &self,
+        here: &Linearisation<'_>,
+        target: f64,
+        watch: &mut Watch<'_>,
+        change: &mut [f64],
+        tried: usize,
+    ) -> Result<StepReport, StepError> {
+        let kkt = KktSystem {
+            topology: here.topology,
+            rows: here.rows,
+            lambda: &self.lambda,
+            gauss_newton: &self.lambda,
+            off_diagonal: None,
+            wheel: here.wheel,
+            gradient: &vec![0.0; self.lambda.len()],
+            residual: here.residual,
+        };
+        let mut out = KktVector::default();
+        let mut report = DirectStep::new(here.topology, here.rows)?.step(&kkt, target, watch, &mut out)?;
+        report.iterations += tried;
+        change.copy_from_slice(&out.delta);
+        Ok(report)
+    }
+}
+
+/// One solve: multipliers so far, and what they leave.
+struct Solve<'a> {
+    system: &'a LeastCorrection,
+    rows: &'a ConstraintRows,
+    /// The multipliers, with a zero for the boundary at the end.
+    vertices: Vec<f64>,
+    wheels: Vec<f64>,
+    /// The right-hand side.
+    goal: [Vec<f64>; 2],
+    /// The true residual of `S`.
+    left: [Vec<f64>; 2],
+    iterations: usize,
+}
+
+impl<'a> Solve<'a> {
+    fn start(system: &'a LeastCorrection, here: &Linearisation<'a>) -> Self {
+        let ni = here.rows.interior_count();
+        let mut goal = [vec![0.0; ni], vec![0.0; ni]];
+        right_hand_side(here.rows, &system.inverse, here.wheel, here.residual, goal.each_mut().map(|v| &mut v[..]));
+        let left = goal.clone();
+        Self { system, rows: here.rows, vertices: vec![0.0; ni + 1], wheels: vec![0.0; ni + 1], goal, left, iterations: 0 }
+    }
+
+    /// Solves until the true residual meets the target; `false` when it will not.
+    fn rounds(&mut self, target: f64, watch: &mut Watch<'_>) -> Result<bool, StepError> {
+        let mut before = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            let now = self.left.iter().map(|part| largest(part)).fold(0.0, f64::max);
+            if now <= target {
+                return Ok(true);
+            }
+            if !(now <= PROGRESS * before) || self.iterations >= REFACTOR_AFTER {
+                return Ok(false);
+            }
+            before = now;
+            if !self.round(CAUTION * target, watch)? {
+                return Ok(false);
+            }
+            self.measure();
+        }
+        Ok(self.left.iter().all(|part| largest(part) <= target))
+    }
+
+    /// One round of conjugate gradients on the wheel multipliers, from the residual at hand.
+    fn round(&mut self, target: f64, watch: &mut Watch<'_>) -> Result<bool, StepError> {
+        let Self { system, rows, .. } = *self;
+        let ni = rows.interior_count();
+        let a_inverse = system.vertex_factor.as_ref().expect("factorised");
+        let d_inverse = system.wheel_factor.as_ref().expect("factorised");
+        let (mut t, mut q, mut z, mut ap) = (vec![0.0; ni], vec![0.0; ni + 1], vec![0.0; ni], vec![0.0; ni]);
+        // Eliminate: the vertex rows are met exactly from here on.
+        a_inverse.apply_in_order(&system.order, &self.left[0], &mut q[..ni]);
+        vector::axpy(1.0, &q, &mut self.vertices);
+        system.spokes.multiply(rows, &system.c, &q, &mut t);
+        let mut r = std::mem::take(&mut self.left[1]);
+        vector::axpy(-1.0, &t, &mut r);
+
+        let begin = largest(&r);
+        d_inverse.apply_in_order(&system.order, &r, &mut z);
+        let mut p = z.clone();
+        p.push(0.0);
+        let mut rz = vector::dot(&r, &z);
+        let mut converged = begin <= target;
+        while !converged && self.iterations < REFACTOR_AFTER {
+            system.spokes.multiply(rows, &system.b, &p, &mut t);
+            a_inverse.apply_in_order(&system.order, &t, &mut q[..ni]);
+            system.spokes.multiply_difference(rows, (&system.d, &p), (&system.c, &q), &mut ap);
+            let curvature = vector::dot(&p[..ni], &ap);
+            let length = rz / curvature;
+            if !(rz > 0.0 && curvature > 0.0 && length.is_finite()) {
+                break;
+            }
+            vector::axpy(length, &p, &mut self.wheels);
+            vector::axpy(-length, &q, &mut self.vertices);
+            vector::axpy(-length, &ap, &mut r);
+            self.iterations += 1;
+            let now = largest(&r);
+            if !watch.inner(self.iterations, now / begin) {
+                return Err(StepError::Interrupted);
+            }
+            converged = now <= target;
+            if !converged {
+                d_inverse.apply_in_order(&system.order, &r, &mut z);
+                let before = std::mem::replace(&mut rz, vector::dot(&r, &z));
+                vector::xpay(&z, rz / before, &mut p[..ni]);
+            }
+        }
+        self.left[1] = r;
+        Ok(converged)
+    }
+
+    /// The true residual, with the matrix.
+    fn measure(&mut self) {
+        let Self { system, rows, .. } = *self;
+        let [vertex, wheel] = &mut self.left;
+        let (v, w) = (&self.vertices, &self.wheels);
+        for (out, goal, first, second) in [
+            (vertex, &self.goal[0], (&system.a, &v[..]), (&system.b, &w[..])),
+            (wheel, &self.goal[1], (&system.c, &v[..]), (&system.d, &w[..])),
+        ] {
+            out.resize(goal.len(), 0.0);
+            system.spokes.residual(rows, goal, first, second, out);
+        }
+    }
+
+    fn report(&self, iterations: usize) -> StepReport {
+        let size = |parts: &[Vec<f64>; 2]| parts.iter().map(|v| vector::dot(v, v)).sum::<f64>().sqrt();
+        let (left, goal) = (size(&self.left), size(&self.goal));
+        let relative_residual = if goal > 0.0 { left / goal } else { 0.0 };
+        StepReport { iterations, relative_residual, ..StepReport::default() }
+    }
+}
+
+/// `max |v|`; NaN counts as infinite.
+fn largest(v: &[f64]) -> f64 {
+    v.iter().fold(0.0, |max: f64, x| if x.abs() <= max { max } else if x.is_nan() { f64::INFINITY } else { x.abs() })
+}
