@@ -1,4 +1,4 @@
-//! How LinABF grows: seconds and bytes from 10K to 1M triangles, with the fitted exponents.
+//! How LinABF grows: seconds and bytes from 100K to 4M triangles, with the fitted exponents.
 
 mod support;
 
@@ -11,9 +11,9 @@ use support::{Model, Table, fixture, models, once, seconds};
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 /// The sizes of the round bumpy disk.
-const DISKS: [usize; 5] = [10_000, 30_000, 100_000, 300_000, 1_000_000];
+const DISKS: [usize; 5] = [100_000, 250_000, 600_000, 1_500_000, 4_000_000];
 /// A model is subdivided up to this many triangles.
-const LARGEST: usize = 1_000_000;
+const LARGEST: usize = 4_200_000;
 
 fn main() {
     let mut table = Table::new(
@@ -35,7 +35,7 @@ fn main() {
     let _ = Pipeline::default().run(&Shape::FatDisk.mesh(DISKS[0]), &mut Silent);
     let disks = DISKS.map(|n| Model { name: "fat-disk".to_owned(), mesh: Shape::FatDisk.mesh(n) });
     measure(&mut table, disks.into_iter());
-    let model = models(&["bull"]).pop().unwrap_or_else(|| fixture("mask"));
+    let model = models(&["brain-conte69_32k_lh"]).pop().unwrap_or_else(|| fixture("mask"));
     measure(
         &mut table,
         std::iter::successors(Some(model), |model| {

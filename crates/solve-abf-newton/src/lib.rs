@@ -18,7 +18,7 @@ mod full_kkt;
 
 use abf_constraints::{AngleProblem, WheelForm};
 use abf_solve_core::{
-    AngleSolution, AngleSolver, DirectStep, Hessian, NewtonSettings, Observer, SolveError, StopCriteria,
+    AngleSolution, AngleSolver, DirectStep, FrozenStep, Hessian, NewtonSettings, Observer, SolveError, StopCriteria,
 };
 
 pub use full_kkt::FullKktStep;
@@ -87,6 +87,11 @@ impl AngleSolver for AbfNewton {
         let not_diagonal = self.newton.wheel == WheelForm::Product && self.newton.hessian == Hessian::Exact;
         if self.inner == Inner::FullKkt || not_diagonal {
             self.newton.solve_with(problem, stop, observer, || Ok(FullKktStep::default()))
+        } else if self.newton.wheel == WheelForm::Log && self.newton.hessian == Hessian::GaussNewton {
+            // Λ = 2w in every step.
+            let lambda = problem.weight().iter().map(|w| 2.0 * w).collect();
+            let step = || FrozenStep::new(problem.topology(), problem.rows(), lambda, 0.1 * stop.tolerance);
+            self.newton.solve_with(problem, stop, observer, step)
         } else {
             self.newton.solve_with(problem, stop, observer, || DirectStep::new(problem.topology(), problem.rows()))
         }

@@ -16,7 +16,7 @@
 //! eliminated half never has a residual. The rest of the residual of `S` is that of the linearised
 //! constraints themselves, so it is known at every iteration how well `e` will meet them.
 
-use crate::wheels::{Block, Spokes, back_substitute, right_hand_side, vertex_block, wheel_blocks};
+use crate::wheels::{Block, Given, Spokes, back_substitute, right_hand_side, vertex_block, wheel_blocks};
 use crate::{DirectStep, KktStep, KktSystem, KktVector, LinearError, StepError, StepReport, Watch};
 use abf_constraints::{ConstraintRows, WheelDerivative};
 use abf_linalg::{Parts, Permutation, SingleCholesky, SymbolicCholesky, vector};
@@ -35,7 +35,7 @@ const PROGRESS: f64 = 0.5;
 /// The iteration aims this far below the target: rounding adds the rest.
 const CAUTION: f64 = 0.8;
 
-/// Linearised constraints.
+/// Linearised constraints, and a gradient where the change is not to be least by itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Linearisation<'a> {
     /// Who meets whom.
@@ -46,6 +46,8 @@ pub struct Linearisation<'a> {
     pub wheel: &'a WheelDerivative,
     /// h, length nt + 2 ni.
     pub residual: &'a [f64],
+    /// g, length 3 nt; empty for zero: the change minimises `½ eᵀΛe + gᵀe`.
+    pub gradient: &'a [f64],
 }
 
 /// Solves for least corrections in one metric.
@@ -85,7 +87,7 @@ impl LeastCorrection {
         Ok(Self { lambda, inverse, spokes, order, parts, symbolic, a, b, c, d, vertex_factor: None, wheel_factor: None })
     }
 
-    /// Writes the correction into `change`, one entry per corner. Stops when no linearised constraint is off
+    /// Writes the correction and the multipliers into `out`. Stops when no linearised constraint is off
     /// by more than `target`; triangle and vertex conditions are then met better than that.
     ///
     /// # Errors
@@ -95,7 +97,7 @@ impl LeastCorrection {
         here: &Linearisation<'_>,
         target: f64,
         watch: &mut Watch<'_>,
-        change: &mut [f64],
+        out: &mut KktVector,
     ) -> Result<StepReport, StepError> {
         wheel_blocks(here.rows, &self.inverse, here.wheel, [&mut self.b, &mut self.c, &mut self.d]);
         let mut tried = 0;
@@ -111,13 +113,19 @@ impl LeastCorrection {
             if converged {
                 let report = solve.report(tried);
                 let Solve { vertices, wheels, .. } = solve;
+                let (nt, ni) = (here.rows.triangle_count(), here.rows.interior_count());
+                out.delta.resize(self.inverse.len(), 0.0);
+                out.multipliers.resize(here.rows.len(), 0.0);
+                let (triangles, others) = out.multipliers.split_at_mut(nt);
+                others[..ni].copy_from_slice(&vertices[..ni]);
+                others[ni..].copy_from_slice(&wheels[..ni]);
                 let multipliers = [&*vertices, &*wheels];
-                back_substitute(here.topology, here.rows, &self.inverse, here.wheel, here.residual, multipliers, change);
+                back_substitute(here.topology, here.rows, &self.given(here), multipliers, &mut out.delta, triangles);
                 return Ok(report);
             }
             self.wheel_factor = None;
         }
-        self.directly(here, target, watch, change, tried)
+        self.directly(here, target, watch, out, tried)
     }
 
     /// Factors of `A` and of the current `D`, where there are none.
@@ -142,9 +150,10 @@ impl LeastCorrection {
         here: &Linearisation<'_>,
         target: f64,
         watch: &mut Watch<'_>,
-        change: &mut [f64],
+        out: &mut KktVector,
         tried: usize,
     ) -> Result<StepReport, StepError> {
+        let zero = if here.gradient.is_empty() { vec![0.0; self.lambda.len()] } else { Vec::new() };
         let kkt = KktSystem {
             topology: here.topology,
             rows: here.rows,
@@ -152,14 +161,58 @@ impl LeastCorrection {
             gauss_newton: &self.lambda,
             off_diagonal: None,
             wheel: here.wheel,
-            gradient: &vec![0.0; self.lambda.len()],
+            gradient: if here.gradient.is_empty() { &zero } else { here.gradient },
             residual: here.residual,
         };
-        let mut out = KktVector::default();
-        let mut report = DirectStep::new(here.topology, here.rows)?.step(&kkt, target, watch, &mut out)?;
+        let mut report = DirectStep::new(here.topology, here.rows)?.step(&kkt, target, watch, out)?;
         report.iterations += tried;
-        change.copy_from_slice(&out.delta);
         Ok(report)
+    }
+
+    fn given<'a>(&'a self, here: &Linearisation<'a>) -> Given<'a> {
+        Given { inverse: &self.inverse, gradient: here.gradient, residual: here.residual, wheel: here.wheel }
+    }
+}
+
+/// A [`KktStep`] for methods whose `Λ` is positive and never changes, wheels in the log form: the
+/// Gauss–Newton Hessian of an energy with a fixed target.
+#[derive(Debug)]
+pub struct FrozenStep {
+    solver: LeastCorrection,
+    floor: f64,
+}
+
+impl FrozenStep {
+    /// Orders and analyses the blocks of a topology for the metric `Λ = diag(lambda)`. A step never meets a
+    /// linearised constraint better than `floor`: whatever its multipliers are, the step is stationary with
+    /// them, so that what is left in the constraints is all that is wrong with it.
+    ///
+    /// # Errors
+    /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
+    pub fn new(topology: &Topology, rows: &ConstraintRows, lambda: Vec<f64>, floor: f64) -> Result<Self, LinearError> {
+        Ok(Self { solver: LeastCorrection::new(topology, rows, lambda)?, floor })
+    }
+}
+
+impl KktStep for FrozenStep {
+    /// Every entry of the residual of `S` comes below `tolerance` times the largest one of its right-hand
+    /// side, or below the floor.
+    ///
+    /// # Panics
+    /// If `Λ` is not that of [`FrozenStep::new`].
+    fn step(
+        &mut self,
+        kkt: &KktSystem<'_>,
+        tolerance: f64,
+        watch: &mut Watch<'_>,
+        out: &mut KktVector,
+    ) -> Result<StepReport, StepError> {
+        assert!(kkt.lambda == self.solver.lambda, "the metric this step was made for");
+        let KktSystem { topology, rows, wheel, residual, gradient, .. } = *kkt;
+        let here = Linearisation { topology, rows, wheel, residual, gradient };
+        let goal = Solve::start(&self.solver, &here).goal;
+        let target = (tolerance * goal.iter().map(|part| largest(part)).fold(0.0, f64::max)).max(self.floor);
+        self.solver.solve(&here, target, watch, out)
     }
 }
 
@@ -181,7 +234,7 @@ impl<'a> Solve<'a> {
     fn start(system: &'a LeastCorrection, here: &Linearisation<'a>) -> Self {
         let ni = here.rows.interior_count();
         let mut goal = [vec![0.0; ni], vec![0.0; ni]];
-        right_hand_side(here.rows, &system.inverse, here.wheel, here.residual, goal.each_mut().map(|v| &mut v[..]));
+        right_hand_side(here.rows, &system.given(here), goal.each_mut().map(|v| &mut v[..]));
         let left = goal.clone();
         Self { system, rows: here.rows, vertices: vec![0.0; ni + 1], wheels: vec![0.0; ni + 1], goal, left, iterations: 0 }
     }

@@ -35,7 +35,7 @@ mod test_support;
 mod wheels;
 
 pub use abf_linalg::{LinearError, LinearStats};
-pub use correction::{LeastCorrection, Linearisation};
+pub use correction::{FrozenStep, LeastCorrection, Linearisation};
 pub use direct::DirectStep;
 pub use hessian::Hessian;
 pub use iterative::{IterativeSettings, PreconditionerKind, Reduction};

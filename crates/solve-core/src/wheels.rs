@@ -225,55 +225,77 @@ pub(crate) fn wheel_blocks(rows: &ConstraintRows, inverse: &[f64], wheel: &Wheel
     });
 }
 
-/// The right-hand side for `e = −h`: `h − Σ R s h_t`, vertex and wheel part. `s = Λ⁻¹ 1 / 1ᵀ Λ⁻¹ 1`.
-pub(crate) fn right_hand_side(
-    rows: &ConstraintRows,
-    inverse: &[f64],
-    wheel: &WheelDerivative,
-    residual: &[f64],
-    [vertices, wheels]: [&mut [f64]; 2],
-) {
-    let cotangents = wheel.cotangents();
+/// What every triangle is asked for beyond the multipliers: `g`, where there is one, and `h_t`.
+#[derive(Clone, Copy)]
+pub(crate) struct Given<'a> {
+    /// Λ⁻¹, length 3 nt.
+    pub inverse: &'a [f64],
+    /// g, length 3 nt; empty for zero.
+    pub gradient: &'a [f64],
+    /// h, length nt + 2 ni.
+    pub residual: &'a [f64],
+    /// The wheel part of `J`.
+    pub wheel: &'a WheelDerivative,
+}
+
+impl Given<'_> {
+    #[inline]
+    fn gradient(&self, c: CornerId) -> f64 {
+        if self.gradient.is_empty() { 0.0 } else { self.gradient[c.index()] }
+    }
+}
+
+/// The right-hand side `h − Σ R (P g + s h_t)`, vertex and wheel part; `s = Λ⁻¹ 1 / 1ᵀ Λ⁻¹ 1`.
+pub(crate) fn right_hand_side(rows: &ConstraintRows, given: &Given<'_>, [vertices, wheels]: [&mut [f64]; 2]) {
+    let cotangents = given.wheel.cotangents();
     let parts = vertices.par_chunks_mut(PER_TASK).zip(wheels.par_chunks_mut(PER_TASK)).enumerate();
     parts.for_each(|(task, (vertices, wheels))| {
         for (k, (vertex, wheel)) in vertices.iter_mut().zip(wheels).enumerate() {
             let i = task * PER_TASK + k;
-            (*vertex, *wheel) = (residual[rows.vertex(i)], residual[rows.wheel(i)]);
+            (*vertex, *wheel) = (given.residual[rows.vertex(i)], given.residual[rows.wheel(i)]);
             for &hub in rows.hubs(i) {
-                let Projection { inverse, sum } = Projection::new(inverse, hub);
-                let share = residual[rows.triangle(hub.face())] / sum;
-                let (next, prev) = (cotangents[hub.next().index()], cotangents[hub.prev().index()]);
-                *vertex -= share * inverse[0];
-                *wheel -= share * (next * inverse[1] - prev * inverse[2]);
+                let corners = [hub, hub.next(), hub.prev()];
+                let Projection { inverse: d, sum } = Projection::new(given.inverse, hub);
+                let g = corners.map(|c| given.gradient(c));
+                let h = given.residual[rows.triangle(hub.face())];
+                // P g + s h = Λ⁻¹ (g + (h − 1ᵀ Λ⁻¹ g) / 1ᵀ Λ⁻¹ 1).
+                let shift = (h - d[0] * g[0] - d[1] * g[1] - d[2] * g[2]) / sum;
+                let (next, prev) = (cotangents[corners[1].index()], cotangents[corners[2].index()]);
+                *vertex -= d[0] * (g[0] + shift);
+                *wheel -= next * d[1] * (g[1] + shift) - prev * d[2] * (g[2] + shift);
             }
         }
     });
 }
 
-/// `e = −P Rᵀ μ − s h_t`, the multipliers padded with a zero for the boundary.
+/// `δ = −P (g + Rᵀ μ) − s h_t` and the multipliers of the triangles; those of vertices and wheels padded
+/// with a zero for the boundary.
 pub(crate) fn back_substitute(
     topology: &Topology,
     rows: &ConstraintRows,
-    inverse: &[f64],
-    wheel: &WheelDerivative,
-    residual: &[f64],
+    given: &Given<'_>,
     [vertices, wheels]: [&[f64]; 2],
     change: &mut [f64],
+    triangles: &mut [f64],
 ) {
-    let cotangents = wheel.cotangents();
-    change.par_chunks_mut(3 * PER_TASK).enumerate().for_each(|(task, change)| {
-        for (k, change) in change.chunks_exact_mut(3).enumerate() {
+    let cotangents = given.wheel.cotangents();
+    let tasks = change.par_chunks_mut(3 * PER_TASK).zip(triangles.par_chunks_mut(PER_TASK)).enumerate();
+    tasks.for_each(|(task, (change, triangles))| {
+        for (k, (change, triangle)) in change.chunks_exact_mut(3).zip(triangles).enumerate() {
             let face = FaceId::new(task * PER_TASK + k);
             let corners = face.corners();
             let at = corners.map(|c| rows.interior_index(topology.vertex(c)).unwrap_or(rows.interior_count()));
-            let d = corners.map(|c| inverse[c.index()]);
+            let d = corners.map(|c| given.inverse[c.index()]);
             let (v, w) = (at.map(|i| vertices[i]), at.map(|i| wheels[i]));
             // A corner is `next` for the corner before it and `prev` for the one after it.
-            let q = [0, 1, 2].map(|k| v[k] + cotangents[corners[k].index()] * (w[(k + 2) % 3] - w[(k + 1) % 3]));
+            let q = [0, 1, 2].map(|k| {
+                let cotangent = cotangents[corners[k].index()];
+                given.gradient(corners[k]) + v[k] + cotangent * (w[(k + 2) % 3] - w[(k + 1) % 3])
+            });
             let sum = d[0] + d[1] + d[2];
-            let mean = (d[0] * q[0] + d[1] * q[1] + d[2] * q[2] - residual[rows.triangle(face)]) / sum;
+            *triangle = (given.residual[rows.triangle(face)] - d[0] * q[0] - d[1] * q[1] - d[2] * q[2]) / sum;
             for k in 0..3 {
-                change[k] = d[k] * (mean - q[k]);
+                change[k] = -d[k] * (q[k] + *triangle);
             }
         }
     });

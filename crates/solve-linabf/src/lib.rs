@@ -235,13 +235,13 @@ impl<'p, 'a> Run<'p, 'a> {
         watch: &mut Watch<'_>,
     ) -> Result<(StepReport, Vec<f64>), StepError> {
         let target = self.target(before, stop);
+        let mut out = KktVector::default();
         let (topology, rows) = (self.problem.topology(), self.problem.rows());
         match &mut self.inner {
             Inner::Inexact(inner) => {
-                let here = Linearisation { topology, rows, wheel: &self.wheel, residual: &self.residual };
-                let mut correction = vec![0.0; self.angles.len()];
-                let report = inner.solve(&here, target, watch, &mut correction)?;
-                Ok((report, correction))
+                let here = Linearisation { topology, rows, wheel: &self.wheel, residual: &self.residual, gradient: &[] };
+                let report = inner.solve(&here, target, watch, &mut out)?;
+                Ok((report, out.delta))
             }
             Inner::Direct(inner) => {
                 let lambda = metric(&self.angles);
@@ -255,7 +255,6 @@ impl<'p, 'a> Run<'p, 'a> {
                     gradient: &vec![0.0; self.angles.len()],
                     residual: &self.residual,
                 };
-                let mut out = KktVector::default();
                 let report = inner.step(&kkt, TIGHTEST, watch, &mut out)?;
                 Ok((report, out.delta))
             }

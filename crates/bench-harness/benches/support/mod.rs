@@ -25,13 +25,15 @@ pub(crate) struct Model {
     pub(crate) mesh: TriMesh,
 }
 
-/// The models of these names that `$ABF_MODELS`, or else `models/`, has in `paper/`; what is missing is
+/// The models of these names that `$ABF_MODELS`, or else `models/`, has in `paper/` or `disks/`; what is missing is
 /// said. Without any, the fixtures.
 pub(crate) fn models(names: &[&str]) -> Vec<Model> {
-    let folder = std::env::var_os("ABF_MODELS").map_or_else(|| root().join("models"), PathBuf::from).join("paper");
+    let folder = std::env::var_os("ABF_MODELS").map_or_else(|| root().join("models"), PathBuf::from);
     let mut found = Vec::new();
     for name in names {
-        match read_disk(&folder.join(format!("{name}.obj"))) {
+        let file = |kind: &str| folder.join(kind).join(format!("{name}.obj"));
+        let file = Some(file("disks")).filter(|file| file.exists()).unwrap_or_else(|| file("paper"));
+        match read_disk(&file) {
             Ok(mesh) => found.push(Model { name: (*name).to_owned(), mesh }),
             Err(error) => println!("not measured: {name}: {error}"),
         }
