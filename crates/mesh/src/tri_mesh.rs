@@ -60,6 +60,12 @@ impl TriMesh {
         Ok(Self { positions, faces })
     }
 
+    /// A mesh of faces that are known to name vertices.
+    pub(crate) fn of_ids(positions: Vec<Point3<f64>>, faces: Vec<[VertexId; 3]>) -> Self {
+        debug_assert!(faces.iter().flatten().all(|v| v.index() < positions.len()));
+        Self { positions, faces }
+    }
+
     /// The vertices, in the order of the input.
     #[must_use]
     pub fn positions(&self) -> &[Point3<f64>] {
