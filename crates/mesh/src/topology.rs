@@ -1,9 +1,14 @@
 //! The corner table: who is opposite whom, without coordinates.
 
+use rayon::prelude::*;
+
 use crate::{CornerId, FaceId, VertexId};
 
 /// Marks "no corner" in the packed tables.
 const NONE: u32 = u32::MAX;
+
+/// Fewer vertices are not worth a thread.
+const VERTICES_PER_TASK: usize = 1 << 13;
 
 /// The connectivity of an oriented manifold with or without boundary, in any number of components.
 ///
@@ -119,9 +124,9 @@ impl Topology {
             return Err(TopologyError::TooLarge { faces: faces.len() });
         }
         reject_repeated_vertices(faces)?;
-        let corner_vertex: Vec<VertexId> = faces.iter().flatten().copied().collect();
-        let opposite = pair_edges(vertex_count, &corner_vertex)?;
-        let (fan_start, interior) = find_fans(vertex_count, &corner_vertex, &opposite)?;
+        let opposite = pair_edges(vertex_count, faces)?;
+        let corner_vertex = faces.as_flattened().to_vec();
+        let (fan_start, interior) = find_fans(vertex_count, faces, &opposite)?;
         let interior_count = interior.iter().filter(|&&i| i).count();
         let boundary_edge_count = opposite.iter().filter(|&&o| o == NONE).count();
         Ok(Self { corner_vertex, opposite, fan_start, interior, interior_count, boundary_edge_count })
@@ -311,35 +316,30 @@ fn reject_repeated_vertices(faces: &[[VertexId; 3]]) -> Result<(), TopologyError
     }
 }
 
-/// A directed edge seen from its lower vertex: the upper vertex, the corner facing it, and
-/// whether it runs upwards.
-#[derive(Clone, Copy, Default)]
-struct HalfEdge {
-    upper: u32,
-    corner: u32,
-    upwards: bool,
+/// A directed edge as its lower vertex keeps it: the upper vertex, then the corner facing it. In this
+/// order the edges between the same vertices stand together, lower corners first.
+fn half_edge(upper: VertexId, corner: usize) -> u64 {
+    (upper.index() as u64) << u32::BITS | corner as u64
 }
 
 /// The opposite of every corner: half-edges are bucketed by their lower vertex and matched inside.
-fn pair_edges(vertex_count: usize, corner_vertex: &[VertexId]) -> Result<Vec<u32>, TopologyError> {
-    let ends = |c: CornerId| (corner_vertex[c.next().index()], corner_vertex[c.prev().index()]);
-    let corners = || (0..corner_vertex.len()).map(CornerId::new);
+fn pair_edges(vertex_count: usize, faces: &[[VertexId; 3]]) -> Result<Vec<u32>, TopologyError> {
+    let corner_vertex = faces.as_flattened();
+    // Every corner k faces the edge between the other two: from its next to its previous.
+    let edges = |&[a, b, c]: &[VertexId; 3]| [(b, c), (c, a), (a, b)];
 
-    let mut bucket_start = vec![0_u32; vertex_count + 1];
-    for c in corners() {
-        let (from, to) = ends(c);
-        bucket_start[from.min(to).index() + 1] += 1;
+    // The end of every bucket; while they are filled, where its next half-edge goes.
+    let mut bucket_end = vec![0_u32; vertex_count + 1];
+    for (from, to) in faces.iter().flat_map(edges) {
+        bucket_end[from.min(to).index() + 1] += 1;
     }
     for v in 0..vertex_count {
-        bucket_start[v + 1] += bucket_start[v];
+        bucket_end[v + 1] += bucket_end[v];
     }
-    let mut cursor = bucket_start.clone();
-    let mut half_edges = vec![HalfEdge::default(); corner_vertex.len()];
-    for c in corners() {
-        let (from, to) = ends(c);
-        let slot = &mut cursor[from.min(to).index()];
-        half_edges[*slot as usize] =
-            HalfEdge { upper: from.max(to).index() as u32, corner: c.index() as u32, upwards: from < to };
+    let mut half_edges = vec![0_u64; corner_vertex.len()];
+    for (corner, (from, to)) in faces.iter().flat_map(edges).enumerate() {
+        let slot = &mut bucket_end[from.min(to).index()];
+        half_edges[*slot as usize] = half_edge(from.max(to), corner);
         *slot += 1;
     }
 
@@ -347,23 +347,29 @@ fn pair_edges(vertex_count: usize, corner_vertex: &[VertexId]) -> Result<Vec<u32
     let mut crowded: Option<(VertexId, VertexId, usize)> = None;
     let mut crowded_count = 0;
     let mut against: Vec<(CornerId, CornerId)> = Vec::new();
-    for v in 0..vertex_count {
-        let bucket = &mut half_edges[bucket_start[v] as usize..bucket_start[v + 1] as usize];
-        bucket.sort_unstable_by_key(|h| (h.upper, h.corner));
-        for edge in bucket.chunk_by(|a, b| a.upper == b.upper) {
+    let mut start = 0;
+    for (v, &end) in bucket_end[..vertex_count].iter().enumerate() {
+        let v = VertexId::new(v);
+        let runs_upwards = |corner: CornerId| corner_vertex[corner.next().index()] == v;
+        let bucket = &mut half_edges[start..end as usize];
+        start = end as usize;
+        bucket.sort_unstable();
+        for edge in bucket.chunk_by(|a, b| a >> u32::BITS == b >> u32::BITS) {
             match *edge {
                 [_] => {}
+                // The lower half is the corner.
                 [a, b] => {
-                    if a.upwards == b.upwards {
-                        against.push((CornerId::new(a.corner as usize), CornerId::new(b.corner as usize)));
+                    let [c, d] = [a as u32, b as u32];
+                    let [first, second] = [c, d].map(|corner| CornerId::new(corner as usize));
+                    if runs_upwards(first) == runs_upwards(second) {
+                        against.push((first, second));
                     }
-                    opposite[a.corner as usize] = b.corner;
-                    opposite[b.corner as usize] = a.corner;
+                    opposite[c as usize] = d;
+                    opposite[d as usize] = c;
                 }
                 _ => {
                     crowded_count += 1;
-                    let here = (VertexId::new(v), VertexId::new(edge[0].upper as usize), edge.len());
-                    crowded.get_or_insert(here);
+                    crowded.get_or_insert((v, VertexId::new((edge[0] >> u32::BITS) as usize), edge.len()));
                 }
             }
         }
@@ -420,24 +426,30 @@ fn orientation_error(
 /// The start of every vertex's fan and whether the fan closes.
 fn find_fans(
     vertex_count: usize,
-    corner_vertex: &[VertexId],
+    faces: &[[VertexId; 3]],
     opposite: &[u32],
 ) -> Result<(Vec<u32>, Vec<bool>), TopologyError> {
     let is_first = |c: CornerId| opposite[c.prev().index()] == NONE;
     let mut start = vec![NONE; vertex_count];
     let mut incident = vec![0_u32; vertex_count];
     let mut interior = vec![false; vertex_count];
-    for c in (0..corner_vertex.len()).map(CornerId::new) {
-        let v = corner_vertex[c.index()].index();
+    let mut reach = |corner: u32, v: VertexId, is_first: bool| {
+        let v = v.index();
         incident[v] += 1;
         if start[v] == NONE {
-            start[v] = c.index() as u32;
+            start[v] = corner;
             interior[v] = true;
         }
-        if is_first(c) && interior[v] {
-            start[v] = c.index() as u32;
+        if is_first && interior[v] {
+            start[v] = corner;
             interior[v] = false;
         }
+    };
+    let neighbours = opposite.as_chunks::<3>().0;
+    for (corner, (&[a, b, c], &[across_a, across_b, across_c])) in (0..).step_by(3).zip(faces.iter().zip(neighbours)) {
+        reach(corner, a, across_c == NONE);
+        reach(corner + 1, b, across_a == NONE);
+        reach(corner + 2, c, across_b == NONE);
     }
     let ccw = |c: CornerId| match opposite[c.next().index()] {
         NONE => None,
@@ -445,10 +457,11 @@ fn find_fans(
     };
     let fan_length = |first: CornerId| std::iter::successors(Some(first), |&c| ccw(c).filter(|&n| n != first)).count();
     let pinched = |v: usize| start[v] != NONE && fan_length(CornerId::new(start[v] as usize)) != incident[v] as usize;
-    let mut bad = (0..vertex_count).filter(|&v| pinched(v));
-    if let Some(v) = bad.next() {
-        let fans = count_fans(v, corner_vertex, fan_length, is_first, ccw);
-        return Err(TopologyError::NonManifoldVertex { vertex: VertexId::new(v), fans, count: 1 + bad.count() });
+    let bad: Vec<usize> =
+        (0..vertex_count).into_par_iter().with_min_len(VERTICES_PER_TASK).filter(|&v| pinched(v)).collect();
+    if let Some(&v) = bad.first() {
+        let fans = count_fans(v, faces.as_flattened(), fan_length, is_first, ccw);
+        return Err(TopologyError::NonManifoldVertex { vertex: VertexId::new(v), fans, count: bad.len() });
     }
     Ok((start, interior))
 }

@@ -1,6 +1,11 @@
 //! Coordinates and faces, as read: no promise about topology.
 
+use rayon::prelude::*;
+
 use crate::{FaceId, Point3, VertexId};
+
+/// Fewer faces are not worth a thread.
+const FACES_PER_TASK: usize = 1 << 13;
 
 /// A triangle mesh as a file gives it: vertices in their order, faces in theirs.
 ///
@@ -60,6 +65,12 @@ impl TriMesh {
         Ok(Self { positions, faces })
     }
 
+    /// A mesh of faces that are known to name vertices.
+    pub(crate) fn of_ids(positions: Vec<Point3<f64>>, faces: Vec<[VertexId; 3]>) -> Self {
+        debug_assert!(faces.iter().flatten().all(|v| v.index() < positions.len()));
+        Self { positions, faces }
+    }
+
     /// The vertices, in the order of the input.
     #[must_use]
     pub fn positions(&self) -> &[Point3<f64>] {
@@ -88,12 +99,16 @@ impl TriMesh {
     #[inline]
     #[must_use]
     pub fn triangle(&self, face: FaceId) -> [Point3<f64>; 3] {
-        self.faces[face.index()].map(|v| self.positions[v.index()])
+        self.corners_of(&self.faces[face.index()])
     }
 
     /// Every face with its three corner positions.
     pub fn triangles(&self) -> impl ExactSizeIterator<Item = [Point3<f64>; 3]> + '_ {
-        self.faces.iter().map(|face| face.map(|v| self.positions[v.index()]))
+        self.faces.iter().map(|face| self.corners_of(face))
+    }
+
+    fn corners_of(&self, face: &[VertexId; 3]) -> [Point3<f64>; 3] {
+        face.map(|v| self.positions[v.index()])
     }
 
     /// The angle of every corner, in radians: `atan2(|e₁ × e₂|, e₁ · e₂)`, length `3 nt`.
@@ -102,7 +117,10 @@ impl TriMesh {
     /// arc cosine of a normalised dot product has none.
     #[must_use]
     pub fn corner_angles(&self) -> Vec<f64> {
-        self.triangles().flat_map(|p| triangle_angles(&p)).collect()
+        let mut angles = vec![0.0; 3 * self.face_count()];
+        let into = angles.as_chunks_mut::<3>().0.par_iter_mut().with_min_len(FACES_PER_TASK);
+        into.zip(&self.faces).for_each(|(angles, face)| *angles = triangle_angles(&self.corners_of(face)));
+        angles
     }
 
     /// The total area of the surface.
@@ -132,11 +150,13 @@ impl TriMesh {
             let count = self.positions.iter().filter(bad).count();
             return Err(GeometryError::NotFinite { first: VertexId::new(first), count });
         }
-        let mut flat = self.triangles().enumerate().filter(|(_, p)| has_no_area(p));
-        if let Some((first, _)) = flat.next() {
-            return Err(GeometryError::ZeroArea { first: FaceId::new(first), count: 1 + flat.count() });
+        let is_flat = |&f: &usize| has_no_area(&self.corners_of(&self.faces[f]));
+        let faces = (0..self.face_count()).into_par_iter().with_min_len(FACES_PER_TASK);
+        let flat: Vec<usize> = faces.filter(is_flat).collect();
+        match flat.first() {
+            Some(&first) => Err(GeometryError::ZeroArea { first: FaceId::new(first), count: flat.len() }),
+            None => Ok(()),
         }
-        Ok(())
     }
 }
 

@@ -22,6 +22,31 @@ impl UvMap {
         Self { points, corners }
     }
 
+    /// A map of those points that corners use, in their order.
+    ///
+    /// # Panics
+    /// If a corner names a point that does not exist.
+    pub(crate) fn of_used_points(mut points: Vec<Point2<f64>>, mut corners: Vec<UvId>) -> Self {
+        let mut used = vec![false; points.len()];
+        corners.iter().for_each(|c| used[c.index()] = true);
+        if used.iter().all(|&used| used) {
+            return Self { points, corners };
+        }
+        let mut count = 0;
+        let ids: Vec<UvId> = used
+            .iter()
+            .map(|&used| {
+                let id = UvId::new(count);
+                count += usize::from(used);
+                id
+            })
+            .collect();
+        let mut used = used.into_iter();
+        points.retain(|_| used.next() == Some(true));
+        corners.iter_mut().for_each(|c| *c = ids[c.index()]);
+        Self { points, corners }
+    }
+
     /// One UV for every vertex of the mesh. Vertices that no face uses get no UV point.
     ///
     /// # Panics

@@ -61,25 +61,30 @@ fn repeated_points(mesh: &TriMesh, uv: &UvMap) -> Vec<(UvId, UvId)> {
 /// Union–find with path halving. The lower index becomes the root, so the result does not depend
 /// on anything but the sets.
 struct DisjointSets {
-    parent: Vec<usize>,
+    /// UV ids are made of 32 bits.
+    parent: Vec<u32>,
 }
 
 impl DisjointSets {
     fn new(len: usize) -> Self {
-        Self { parent: (0..len).collect() }
+        Self { parent: (0..len as u32).collect() }
     }
 
     fn root(&mut self, mut i: usize) -> usize {
-        while self.parent[i] != i {
-            self.parent[i] = self.parent[self.parent[i]];
-            i = self.parent[i];
+        loop {
+            let parent = self.parent[i];
+            if parent as usize == i {
+                return i;
+            }
+            let grandparent = self.parent[parent as usize];
+            self.parent[i] = grandparent;
+            i = grandparent as usize;
         }
-        i
     }
 
     fn join(&mut self, i: usize, j: usize) {
         let (i, j) = (self.root(i), self.root(j));
-        self.parent[i.max(j)] = i.min(j);
+        self.parent[i.max(j)] = i.min(j) as u32;
     }
 }
 

@@ -1,6 +1,7 @@
 //! The distortion of every triangle by itself.
 
-use abf_mesh::{FaceId, Point2, Point3, TriMesh, UvMap};
+use abf_mesh::{FaceId, Point2, Point3, TriMesh, UvId, UvMap, VertexId};
+use rayon::prelude::*;
 
 use crate::MetricsError;
 use crate::charts::Charts;
@@ -73,8 +74,13 @@ impl FaceDistortion {
 /// # Errors
 /// [`MetricsError`] when there is nothing to compare.
 pub fn per_face(mesh: &TriMesh, uv: &UvMap) -> Result<Vec<FaceDistortion>, MetricsError> {
-    Ok(Survey::new(mesh, uv)?.faces().collect())
+    let survey = Survey::new(mesh, uv)?;
+    let faces = (0..mesh.face_count()).into_par_iter().with_min_len(FACES_PER_TASK);
+    Ok(faces.map(|f| survey.face(FaceId::new(f))).collect())
 }
+
+/// How many faces a thread takes at a time.
+const FACES_PER_TASK: usize = 1 << 12;
 
 /// A mesh and its UVs, each scaled to coordinates around 1, with everything that has to be known
 /// about the whole before one face can be judged.
@@ -96,15 +102,16 @@ impl<'a> Survey<'a> {
     /// Checks the input and takes the totals.
     pub(crate) fn new(mesh: &'a TriMesh, uv: &'a UvMap) -> Result<Self, MetricsError> {
         check(mesh, uv)?;
-        let surface_scale = power_of_two_scale(largest(mesh.triangles().flatten().map(|p| p.coords.amax())));
-        let uv_scale = power_of_two_scale(largest(uv.triangles().flatten().map(|p| p.coords.amax())));
-        let areas: Vec<(f64, f64)> = mesh
-            .triangles()
-            .zip(uv.triangles())
-            .map(|(surface, flat)| {
-                (surface_area(&surface.map(|p| p * surface_scale)), signed_uv_area(&flat.map(|p| p * uv_scale)))
-            })
-            .collect();
+        let corners_of = |face: &[VertexId; 3]| face.map(|v| mesh.positions()[v.index()]);
+        let flat_of = |face: &[UvId; 3]| face.map(|t| uv.points()[t.index()]);
+        let surfaces = mesh.faces().par_iter().with_min_len(FACES_PER_TASK);
+        let flats = uv.corners().as_chunks::<3>().0.par_iter().with_min_len(FACES_PER_TASK);
+        let surface_scale =
+            power_of_two_scale(largest(surfaces.clone().map(|f| corners_of(f).map(|p| p.coords.amax()))));
+        let uv_scale = power_of_two_scale(largest(flats.clone().map(|f| flat_of(f).map(|p| p.coords.amax()))));
+        let area_in_space = |face| surface_area(&corners_of(face).map(|p| p * surface_scale));
+        let area_in_plane = |face| signed_uv_area(&flat_of(face).map(|p| p * uv_scale));
+        let areas: Vec<(f64, f64)> = surfaces.zip(flats).map(|(s, f)| (area_in_space(s), area_in_plane(f))).collect();
         let total_surface = areas.iter().map(|&(surface, _)| surface).sum();
         if total_surface == 0.0 {
             return Err(MetricsError::NoArea { faces: mesh.face_count() });
@@ -131,9 +138,17 @@ impl<'a> Survey<'a> {
         self.total_uv / self.uv_scale / self.uv_scale
     }
 
-    /// Every face, measured when asked for.
-    pub(crate) fn faces(&self) -> impl Iterator<Item = FaceDistortion> + '_ {
-        (0..self.areas.len()).map(|f| self.face(FaceId::new(f)))
+    /// What `add` makes of every block of faces, in their order. Blocks are always the same, so that sums
+    /// over them are too, whatever the number of threads.
+    pub(crate) fn by_block<T: Default + Send>(&self, add: impl Fn(&mut T, FaceId, &FaceDistortion) + Sync) -> Vec<T> {
+        let count = self.areas.len();
+        let block = |b: usize| {
+            let mut all = T::default();
+            let faces = b * FACES_PER_TASK..count.min((b + 1) * FACES_PER_TASK);
+            faces.map(FaceId::new).for_each(|f| add(&mut all, f, &self.face(f)));
+            all
+        };
+        (0..count.div_ceil(FACES_PER_TASK)).into_par_iter().map(block).collect()
     }
 
     fn face(&self, face: FaceId) -> FaceDistortion {
@@ -193,8 +208,8 @@ fn majority_signs(charts: &Charts, areas: &[(f64, f64)]) -> Vec<f64> {
 }
 
 /// The largest of numbers that are not negative.
-fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
-    numbers.fold(0.0, f64::max)
+fn largest(numbers: impl ParallelIterator<Item = [f64; 3]>) -> f64 {
+    numbers.map(|three| three.into_iter().fold(0.0, f64::max)).reduce(|| 0.0, f64::max)
 }
 
 fn check(mesh: &TriMesh, uv: &UvMap) -> Result<(), MetricsError> {
@@ -206,11 +221,16 @@ fn check(mesh: &TriMesh, uv: &UvMap) -> Result<(), MetricsError> {
         return Err(MetricsError::CornerCount { corners, faces });
     }
     let finite = |p: &Point3<f64>| p.iter().all(|x| x.is_finite());
-    if let Some((first, count)) = first_and_count(mesh.triangles().map(|t| !t.iter().all(finite))) {
+    // Points of no face may be anything; only where one is bad do faces have to be looked at.
+    if !mesh.positions().iter().all(finite)
+        && let Some((first, count)) = first_and_count(mesh.triangles().map(|t| !t.iter().all(finite)))
+    {
         return Err(MetricsError::PositionNotFinite { first, count });
     }
     let finite = |p: &Point2<f64>| p.iter().all(|x| x.is_finite());
-    if let Some((first, count)) = first_and_count(uv.triangles().map(|t| !t.iter().all(finite))) {
+    if !uv.points().iter().all(finite)
+        && let Some((first, count)) = first_and_count(uv.triangles().map(|t| !t.iter().all(finite)))
+    {
         return Err(MetricsError::UvNotFinite { first, count });
     }
     Ok(())

@@ -89,14 +89,7 @@ impl Metrics {
 pub fn measure(mesh: &TriMesh, uv: &UvMap) -> Result<Metrics, MetricsError> {
     let survey = Survey::new(mesh, uv)?;
     let mut sums = Sums::default();
-    for (f, face) in survey.faces().enumerate() {
-        sums.count(FaceId::new(f), &face);
-        if face.degenerate_3d {
-            sums.degenerate_3d += 1;
-        } else {
-            sums.add(&face);
-        }
-    }
+    survey.by_block(Sums::take).iter().for_each(|block| sums.merge(block));
     let corners = 3.0 * (mesh.face_count() - sums.degenerate_3d) as f64;
     Ok(Metrics {
         triangles: mesh.face_count(),
@@ -142,6 +135,33 @@ struct Sums {
 }
 
 impl Sums {
+    /// Takes one face in.
+    fn take(&mut self, id: FaceId, face: &FaceDistortion) {
+        self.count(id, face);
+        if face.degenerate_3d {
+            self.degenerate_3d += 1;
+        } else {
+            self.add(face);
+        }
+    }
+
+    /// Takes the sums over later faces in.
+    fn merge(&mut self, later: &Self) {
+        merge_noted(&mut self.flips, &mut self.flipped_faces, later.flips, &later.flipped_faces);
+        merge_noted(&mut self.collapsed, &mut self.collapsed_faces, later.collapsed, &later.collapsed_faces);
+        self.near_collapsed += later.near_collapsed;
+        self.degenerate_3d += later.degenerate_3d;
+        self.squared_error += later.squared_error;
+        self.squared_relative_error += later.squared_relative_error;
+        self.max_angle_error = self.max_angle_error.max(later.max_angle_error);
+        self.surface += later.surface;
+        self.squared_stretch += later.squared_stretch;
+        self.max_stretch = self.max_stretch.max(later.max_stretch);
+        self.quasi_conformal += later.quasi_conformal;
+        self.max_quasi_conformal = self.max_quasi_conformal.max(later.max_quasi_conformal);
+        self.squared_log_area += later.squared_log_area;
+    }
+
     /// Takes note of how a face lies.
     fn count(&mut self, id: FaceId, face: &FaceDistortion) {
         match face.orientation {
@@ -177,6 +197,12 @@ fn note(count: &mut usize, listed: &mut Vec<FaceId>, face: FaceId) {
     if listed.len() < Metrics::LISTED {
         listed.push(face);
     }
+}
+
+/// Adds the count of later faces, and lists them while there is room.
+fn merge_noted(count: &mut usize, listed: &mut Vec<FaceId>, later: usize, later_listed: &[FaceId]) {
+    *count += later;
+    listed.extend(later_listed.iter().take(Metrics::LISTED - listed.len()));
 }
 
 fn as_indices<S: Serializer>(faces: &[FaceId], serializer: S) -> Result<S::Ok, S::Error> {

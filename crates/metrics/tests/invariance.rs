@@ -126,3 +126,17 @@ proptest! {
         prop_assert!(m.f >= 0.0 && m.f.sqrt() <= m.max_angle_error * (1.0 + 1e-12));
     }
 }
+
+#[test]
+fn the_number_of_threads_changes_no_bit() {
+    // Enough faces for several threads.
+    let mesh = sheet(80, |x, y| (30.0 * x).sin() * (20.0 * y).cos());
+    let uv: Vec<Point2<f64>> = mesh.positions().iter().map(|p| Point2::new(p.x + p.y * p.y, p.y)).collect();
+    let map = UvMap::per_vertex(&mesh, &uv);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| measured(&mesh, &map))
+    };
+    assert_eq!(with(1), with(2));
+    assert_eq!(with(1), with(5));
+}

@@ -1,15 +1,21 @@
 //! Wavefront OBJ: one pass over the bytes.
 //!
+//! There are two readers. The careful one here reads line by line, knows every form and alone reports
+//! errors; the fast one in [`plain`] takes the files that need no care, which are most, and gives up on
+//! all others.
+//!
 //! Read are `v`, `vt` and `f`. Everything else is counted and left alone: normals, groups,
 //! materials, points and lines, curves and surfaces, weights and colours of vertices.
 //!
 //! Positive indices count from the beginning of the file and may point ahead; negative ones count
 //! backwards from the face. Normal indices must be whole numbers and are not followed.
 
-use super::MeshFile;
+mod plain;
+
 use super::error::ReadError;
 use super::gather::{Gather, NO_UV};
 use super::text::{Line, Lines, Words, quote};
+use super::{MeshFile, ReadNotes};
 use crate::Point2;
 
 /// OBJ counts from 1.
@@ -17,6 +23,11 @@ const BASE: u8 = 1;
 
 /// Reads an OBJ file.
 pub(super) fn parse(file: &str, bytes: &[u8]) -> Result<MeshFile, ReadError> {
+    plain::parse(bytes).map_or_else(|| parse_with_care(file, bytes), Ok)
+}
+
+/// Reads an OBJ file of whatever form.
+fn parse_with_care(file: &str, bytes: &[u8]) -> Result<MeshFile, ReadError> {
     let mut gather = Gather::new(file, BASE);
     let mut lines = Lines::new(file, bytes);
     while let Some(line) = lines.next_joined() {
@@ -33,21 +44,33 @@ fn statement(gather: &mut Gather<'_>, line: &Line<'_>) -> Result<(), ReadError> 
         Some(b"vt") => uv(gather, line, words)?,
         // `fo` is how old files write `f`.
         Some(b"f" | b"fo") => face(gather, line, words)?,
-        Some(b"mtllib") => gather.notes.material_libraries.push(words.remainder()),
-        Some(other) => gather.notes.ignore(&quote(other)),
+        Some(other) => note_other(&mut gather.notes, other, &words),
     }
     Ok(())
+}
+
+/// Takes note of a statement that is not read.
+fn note_other(notes: &mut ReadNotes, keyword: &[u8], words: &Words<'_>) {
+    match keyword {
+        b"mtllib" => notes.material_libraries.push(words.remainder()),
+        other => notes.ignore(&quote(other)),
+    }
 }
 
 /// `v x y z [w]` or `v x y z r g b`. The weight matters to curves only.
 fn vertex(gather: &mut Gather<'_>, line: &Line<'_>, mut words: Words<'_>) -> Result<(), ReadError> {
     gather.vertex(line.numbers(&mut words)?, line.place());
+    note_beyond_vertex(&mut gather.notes, words);
+    Ok(())
+}
+
+/// Takes note of what follows the coordinates of a vertex.
+fn note_beyond_vertex(notes: &mut ReadNotes, words: Words<'_>) {
     match words.count() {
         0 => {}
-        1 => gather.notes.ignore("weight of v"),
-        _ => gather.notes.ignore("colour of v"),
+        1 => notes.ignore("weight of v"),
+        _ => notes.ignore("colour of v"),
     }
-    Ok(())
 }
 
 /// `vt u [v [w]]`.

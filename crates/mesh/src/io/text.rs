@@ -33,8 +33,7 @@ pub(super) struct Words<'a> {
 impl<'a> Lines<'a> {
     /// The lines of a file.
     pub(super) fn new(file: &'a str, bytes: &'a [u8]) -> Self {
-        const UTF_8_MARK: &[u8] = b"\xef\xbb\xbf";
-        Self::after(file, bytes.strip_prefix(UTF_8_MARK).unwrap_or(bytes), 0)
+        Self::after(file, without_mark(bytes), 0)
     }
 
     /// The lines of what follows the first `number` lines of a file.
@@ -93,7 +92,7 @@ impl<'a> Line<'a> {
 
     /// The words of this line.
     pub(super) fn words(&self) -> Words<'a> {
-        Words { rest: self.text }
+        Words::of(self.text)
     }
 
     /// Where this line is.
@@ -128,7 +127,12 @@ impl<'a> Line<'a> {
     }
 }
 
-impl Words<'_> {
+impl<'a> Words<'a> {
+    /// The words of a line without its end.
+    pub(super) fn of(line: &'a [u8]) -> Self {
+        Self { rest: line }
+    }
+
     /// What is left of the line, as text without blanks around it.
     pub(super) fn remainder(&self) -> String {
         String::from_utf8_lossy(self.rest.trim_ascii()).into_owned()
@@ -149,6 +153,12 @@ impl<'a> Iterator for Words<'a> {
         self.rest = &text[end..];
         Some(&text[start..end])
     }
+}
+
+/// The text without a byte-order mark.
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+    const UTF_8_MARK: &[u8] = b"\xef\xbb\xbf";
+    bytes.strip_prefix(UTF_8_MARK).unwrap_or(bytes)
 }
 
 /// A whole number in decimal digits, perhaps with a sign.

@@ -5,6 +5,8 @@
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use rayon::prelude::*;
+
 use super::MeshFormat;
 use crate::{FaceId, Point2, TriMesh, UvMap};
 
@@ -137,25 +139,82 @@ fn check_finite(what: &'static str, finite: impl Iterator<Item = bool>) -> Resul
     }
 }
 
-// `{:?}` is the shortest text that reads back to the same bits, with an exponent where that saves
-// zeros; `{}` would write 300 digits for 1e300.
-fn obj(out: &mut dyn Write, mesh: &TriMesh, uv: Option<&UvMap>) -> io::Result<()> {
-    for p in mesh.positions() {
-        writeln!(out, "v {:?} {:?} {:?}", p.x, p.y, p.z)?;
-    }
-    for p in uv.iter().flat_map(|map| map.points()) {
-        writeln!(out, "vt {:?} {:?}", p.x, p.y)?;
-    }
-    for (f, face) in mesh.faces().iter().enumerate() {
-        let v = face.map(|v| v.index() + 1);
-        if let Some(map) = uv {
-            let t = FaceId::new(f).corners().map(|c| map.corners()[c.index()].index() + 1);
-            writeln!(out, "f {}/{} {}/{} {}/{}", v[0], t[0], v[1], t[1], v[2], t[2])?;
-        } else {
-            writeln!(out, "f {} {} {}", v[0], v[1], v[2])?;
+/// A function that appends one element, by its number, to a block.
+trait Append: Fn(&mut Vec<u8>, usize) + Sync {}
+impl<F: Fn(&mut Vec<u8>, usize) + Sync> Append for F {}
+
+/// Writes `count` elements in their order. Blocks of them are made side by side, as many as there are
+/// threads, so that memory does not grow with the mesh.
+fn in_blocks(out: &mut dyn Write, count: usize, append: impl Append) -> io::Result<()> {
+    /// Elements of one block: some hundred kilobytes.
+    const BLOCK: usize = 1 << 13;
+    let mut blocks = vec![Vec::new(); rayon::current_num_threads().clamp(1, count.div_ceil(BLOCK).max(1))];
+    for wave in (0..count).step_by(BLOCK * blocks.len()) {
+        let fill = |(i, block): (usize, &mut Vec<u8>)| {
+            block.clear();
+            let start = (wave + i * BLOCK).min(count);
+            (start..(start + BLOCK).min(count)).for_each(|element| append(block, element));
+        };
+        match &mut blocks[..] {
+            [only] => fill((0, only)),
+            several => several.par_iter_mut().enumerate().for_each(fill),
         }
+        blocks.iter().try_for_each(|block| out.write_all(block))?;
     }
     Ok(())
+}
+
+fn obj(out: &mut dyn Write, mesh: &TriMesh, uv: Option<&UvMap>) -> io::Result<()> {
+    in_blocks(out, mesh.vertex_count(), |block, v| {
+        let p = mesh.positions()[v];
+        line(block, b"v", [p.x, p.y, p.z], decimal);
+    })?;
+    let Some(map) = uv else {
+        return in_blocks(out, mesh.face_count(), |block, f| {
+            line(block, b"f", mesh.faces()[f], |block, v| index(block, v.index()));
+        });
+    };
+    in_blocks(out, map.points().len(), |block, t| {
+        let p = map.points()[t];
+        line(block, b"vt", [p.x, p.y], decimal);
+    })?;
+    in_blocks(out, mesh.face_count(), |block, f| {
+        let corners = FaceId::new(f).corners().map(|c| map.corners()[c.index()]);
+        let [a, b, c] = mesh.faces()[f];
+        line(block, b"f", [(a, corners[0]), (b, corners[1]), (c, corners[2])], |block, (v, t)| {
+            index(block, v.index());
+            block.push(b'/');
+            index(block, t.index());
+        });
+    })
+}
+
+/// A keyword and its words.
+fn line<T, const N: usize>(block: &mut Vec<u8>, keyword: &[u8], words: [T; N], append: impl Fn(&mut Vec<u8>, T)) {
+    block.extend_from_slice(keyword);
+    for word in words {
+        block.push(b' ');
+        append(block, word);
+    }
+    block.push(b'\n');
+}
+
+/// A shortest text that reads back to the same bits, laid out as `{:?}` does, with an exponent where that
+/// saves zeros; `{}` would write 300 digits for 1e300. Of two such texts that are equally close to the
+/// number `{:?}` takes the upper one, this the even one.
+fn decimal(block: &mut Vec<u8>, x: f64) {
+    /// Between these (and for zero) `{:?}` and the fast formatter both write no exponent.
+    const PLAIN: std::ops::Range<f64> = 1e-4..1e16;
+    if x == 0.0 || PLAIN.contains(&x.abs()) {
+        block.extend_from_slice(zmij::Buffer::new().format_finite(x).as_bytes());
+    } else {
+        write!(block, "{x:?}").expect("memory is writable");
+    }
+}
+
+/// An index as OBJ counts: from 1.
+fn index(block: &mut Vec<u8>, from_zero: usize) {
+    block.extend_from_slice(itoa::Buffer::new().format(from_zero + 1).as_bytes());
 }
 
 fn ply(out: &mut dyn Write, mesh: &TriMesh, uv: Option<&UvMap>) -> io::Result<()> {
@@ -171,28 +230,25 @@ fn ply(out: &mut dyn Write, mesh: &TriMesh, uv: Option<&UvMap>) -> io::Result<()
         out.write_all(b"property list uchar double texcoord\n")?;
     }
     out.write_all(b"end_header\n")?;
-    for (v, p) in mesh.positions().iter().enumerate() {
-        doubles(out, p.iter())?;
+    in_blocks(out, mesh.vertex_count(), |block, v| {
+        doubles(block, &mesh.positions()[v].coords);
         if let Some(uv) = &per_vertex {
-            doubles(out, uv[v].iter())?;
+            doubles(block, &uv[v].coords);
         }
-    }
-    for (f, face) in mesh.faces().iter().enumerate() {
-        out.write_all(&[3])?;
-        for v in face {
-            // Ids are made of 32 bits.
-            out.write_all(&(v.index() as u32).to_le_bytes())?;
-        }
+    })?;
+    in_blocks(out, mesh.face_count(), |block, f| {
+        block.push(3);
+        // Ids are made of 32 bits.
+        mesh.faces()[f].iter().for_each(|v| block.extend_from_slice(&(v.index() as u32).to_le_bytes()));
         if let Some(map) = per_corner {
-            out.write_all(&[6])?;
-            doubles(out, map.triangle(FaceId::new(f)).iter().flat_map(|p| p.iter()))?;
+            block.push(6);
+            map.triangle(FaceId::new(f)).iter().for_each(|p| doubles(block, &p.coords));
         }
-    }
-    Ok(())
+    })
 }
 
-fn doubles<'a>(out: &mut dyn Write, mut numbers: impl Iterator<Item = &'a f64>) -> io::Result<()> {
-    numbers.try_for_each(|x| out.write_all(&x.to_le_bytes()))
+fn doubles<'a>(block: &mut Vec<u8>, numbers: impl IntoIterator<Item = &'a f64>) {
+    numbers.into_iter().for_each(|x| block.extend_from_slice(&x.to_le_bytes()));
 }
 
 /// The UV of every vertex, if none has several. "The same" is to the bit, so that −0 survives.
@@ -225,6 +281,44 @@ mod tests {
         write_obj(&mut out, &triangle(), None).expect("written");
         let text = String::from_utf8(out).expect("text");
         assert_eq!(text, "v 0.0 -0.0 1e300\nv 1e-300 1.0 0.1\nv 123456789.0 0.3333333333333333 -2.5\nf 1 2 3\n");
+    }
+
+    #[test]
+    fn numbers_are_as_short_as_those_of_the_standard_library_and_read_back() {
+        let check = |x: f64| {
+            let mut block = Vec::new();
+            decimal(&mut block, x);
+            let (ours, theirs) = (String::from_utf8(block).expect("text"), format!("{x:?}"));
+            let is_tie = || ours.len() == theirs.len() && ours.parse::<f64>().map(f64::to_bits) == Ok(x.to_bits());
+            assert!(ours == theirs || is_tie(), "{ours} instead of {theirs}");
+        };
+        let edges =
+            [0.0, 1e-5, 1e-4, 1.0, 1e15, 1e16, 1e17, f64::MAX, f64::MIN_POSITIVE, 5e-324, 157_501_270_407_469.62];
+        let beside = edges.iter().flat_map(|x: &f64| [*x, x.next_up(), x.next_down()]);
+        beside.flat_map(|x| [x, -x]).filter(|x| x.is_finite()).for_each(check);
+        let mut bits = 0x9e37_79b9_7f4a_7c15_u64;
+        for _ in 0..200_000 {
+            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let mixed = bits ^ (bits >> 29);
+            let (any, exponent) = (f64::from_bits(mixed), (mixed >> 32) as i32 % 17);
+            // Any number; numbers that need no exponent, with many digits and with few.
+            let plain = (mixed >> 11) as f64 * 2.0_f64.powi(-53) * 10.0_f64.powi(exponent);
+            let short = (mixed >> 45) as f64 * 10.0_f64.powi(exponent / 2);
+            [any, plain, short].into_iter().filter(|x| x.is_finite()).for_each(check);
+        }
+    }
+
+    #[test]
+    fn blocks_are_written_in_their_order_whatever_the_number_of_threads() {
+        let count = 100_000;
+        let texts = [1, 2, 3].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            let mut out = Vec::new();
+            pool.install(|| in_blocks(&mut out, count, index)).expect("written");
+            out
+        });
+        let expected: String = (1..=count).map(|i| i.to_string()).collect();
+        texts.iter().for_each(|text| assert!(text == expected.as_bytes()));
     }
 
     #[test]
