@@ -35,8 +35,8 @@ const PROGRESS: f64 = 0.5;
 /// The iteration aims this far below the target: rounding adds the rest.
 const CAUTION: f64 = 0.8;
 
-/// Even below its floor a [`FrozenStep`] brings the residual to this part of what it was: otherwise it would
-/// be no step at all, and a line search would find no descent along it.
+/// Even below its floor a [`FrozenStep`] brings the residual to this part of what it was, and of what the
+/// constraints are off by: otherwise it would be no step at all, and a line search would find no descent.
 const LEAST: f64 = 0.03;
 
 /// Linearised constraints, and a gradient where the change is not to be least by itself.
@@ -216,7 +216,7 @@ impl KktStep for FrozenStep {
         let here = Linearisation { topology, rows, wheel, residual, gradient };
         let goal = Solve::start(&self.solver, &here).goal;
         let goal = goal.iter().map(|part| largest(part)).fold(0.0, f64::max);
-        let target = (tolerance * goal).max(self.floor.min(LEAST * goal));
+        let target = (tolerance * goal).max(self.floor.min(LEAST * goal).min(LEAST * largest(residual)));
         self.solver.solve(&here, target, watch, out)
     }
 }
