@@ -15,7 +15,7 @@ use crate::plane::{not_counter_clockwise, of_face, orientation};
 use crate::retract::Retraction;
 use crate::{BoundarySpacing, EmbedError, TutteWeights, tutte};
 use abf_constraints::{AngleProblem, max_residual};
-use abf_linalg::{LinearError, LinearStats};
+use abf_linalg::LinearStats;
 use abf_mesh::{Point2, Topology, TriMesh, Vector2, VertexId};
 use abf_solve_core::{IterationRecord, Observer, StopCriteria, Termination, Watch};
 

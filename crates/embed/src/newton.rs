@@ -10,11 +10,6 @@ use abf_mesh::{Point2, Topology, Vector2, VertexId};
 /// optimum (it damps steps only) and keeps changes of scale that cost next to nothing within bounds.
 const EDGE_DAMPING: f64 = 1e-6;
 
-/// What is added to the diagonal, as a share of it: a crowded neighbourhood whose triangles are 1e-10 of the others is
-/// held in its place by stiffnesses that drown in the rounding of its own. Multiplied by 10 until the factorisation
-/// succeeds.
-const DIAGONAL_DAMPING: std::ops::Range<f64> = 1e-13..1e-3;
-
 /// The refinement of the linear solves: a direction is checked by its descent, not by its digits.
 const REFINEMENT: Refinement = Refinement { tolerance: 1e-8, max_steps: 2 };
 
@@ -48,18 +43,8 @@ impl Newton {
         angles: &[f64],
     ) -> Result<Direction, LinearError> {
         let topology = objective.problem.topology();
-        let mut damping = DIAGONAL_DAMPING.start;
-        let (gradient, factors) = loop {
-            let gradient = self.assemble(objective, uv, angles);
-            self.system.scale_diagonal(damping);
-            match self.system.symbolic.factorise(&self.system.matrix) {
-                Ok(factors) => break (gradient, factors),
-                Err(LinearError::NotPositiveDefinite { .. }) if DIAGONAL_DAMPING.contains(&(10.0 * damping)) => {
-                    damping *= 10.0;
-                }
-                Err(error) => return Err(error),
-            }
-        };
+        let gradient = self.assemble(objective, uv, angles);
+        let factors = self.system.factorise()?;
         let (motion, linear) = self.solve(topology, &factors, &gradient)?;
         let slope = gradient.iter().zip(&motion).map(|(g, d)| g.dot(d)).sum();
         let angle_change = topology.faces().flat_map(|face| angle_change(topology, uv, &motion, face)).collect();

@@ -55,7 +55,7 @@ impl Retraction {
             self.system.add(face.index(), &[[b + c, -c, -b], [-c, a + c, -a], [-b, -a, a + b]]);
             weights.push(of_face);
         }
-        let factors = self.system.symbolic.factorise(&self.system.matrix)?;
+        let factors = self.system.factorise()?;
         Ok(Laplacian { retraction: self, factors, weights })
     }
 }
