@@ -60,6 +60,9 @@ pub struct DescentRecord {
     pub step_length: f64,
     /// How it moved the vertices.
     pub kind: StepKind,
+    /// How many faces were held in place by it, because a few roundings of their coordinates could turn them over. A
+    /// descent that converges with some has found the best drawing around them.
+    pub held_faces: usize,
     /// The smallest angle after it, rad.
     pub smallest_angle: f64,
     /// Its linear solve.
@@ -254,6 +257,7 @@ impl<'p, 'a> Run<'p, 'a> {
             step: direction.angle_change.iter().fold(0.0, |most, d| d.abs().max(most)),
             step_length: place.share,
             kind: place.kind,
+            held_faces: direction.held,
             smallest_angle: self.angles.iter().copied().fold(f64::INFINITY, f64::min),
             linear: direction.linear,
         };

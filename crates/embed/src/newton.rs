@@ -1,7 +1,7 @@
 //! One Gauss–Newton direction.
 
 use crate::objective::Objective;
-use crate::plane::{angle_derivatives, edges, of_face};
+use crate::plane::{angle_derivatives, at_resolution, edges, of_face};
 use crate::system::FaceSystem;
 use abf_linalg::{Cholesky, LinearError, LinearStats, Refinement};
 use abf_mesh::{Point2, Topology, Vector2, VertexId};
@@ -9,6 +9,10 @@ use abf_mesh::{Point2, Topology, Vector2, VertexId};
 /// The weight of `Σ |δe|² / |e|²` over the edges of all faces, beside energies of about 1 per corner. It bends no
 /// optimum (it damps steps only) and keeps changes of scale that cost next to nothing within bounds.
 const EDGE_DAMPING: f64 = 1e-6;
+
+/// By what the diagonal of a triangle at the resolution of doubles is multiplied. Its vertices are held where they are:
+/// carried along with the others they would be rounded over one another, and no step, however short, would be left.
+const HOLD: f64 = 1e8;
 
 /// The refinement of the linear solves: a direction is checked by its descent, not by its digits.
 const REFINEMENT: Refinement = Refinement { tolerance: 1e-8, max_steps: 2 };
@@ -26,6 +30,8 @@ pub(crate) struct Direction {
     pub(crate) angle_change: Vec<f64>,
     /// `⟨dE/du, d⟩`, negative.
     pub(crate) slope: f64,
+    /// How many faces were held.
+    pub(crate) held: usize,
     /// The linear solve.
     pub(crate) linear: LinearStats,
 }
@@ -43,16 +49,22 @@ impl Newton {
         angles: &[f64],
     ) -> Result<Direction, LinearError> {
         let topology = objective.problem.topology();
-        let gradient = self.assemble(objective, uv, angles);
+        let (gradient, held) = self.assemble(objective, uv, angles);
         let factors = self.system.factorise()?;
         let (motion, linear) = self.solve(topology, &factors, &gradient)?;
         let slope = gradient.iter().zip(&motion).map(|(g, d)| g.dot(d)).sum();
         let angle_change = topology.faces().flat_map(|face| angle_change(topology, uv, &motion, face)).collect();
-        Ok(Direction { motion, angle_change, slope, linear })
+        Ok(Direction { motion, angle_change, slope, held, linear })
     }
 
-    /// Fills the matrix; returns `dE/du`.
-    fn assemble(&mut self, objective: &Objective<'_, '_>, uv: &[Point2<f64>], angles: &[f64]) -> Vec<Vector2<f64>> {
+    /// Fills the matrix; returns `dE/du` and the number of faces held.
+    fn assemble(
+        &mut self,
+        objective: &Objective<'_, '_>,
+        uv: &[Point2<f64>],
+        angles: &[f64],
+    ) -> (Vec<Vector2<f64>>, usize) {
+        let mut held = 0;
         let topology = objective.problem.topology();
         let mut gradient = vec![Vector2::zeros(); uv.len()];
         self.system.clear();
@@ -78,9 +90,13 @@ impl Newton {
                     block[q][p] -= weight;
                 }
             }
+            if at_resolution(&points) {
+                held += 1;
+                (0..6).for_each(|i| block[i][i] *= HOLD);
+            }
             self.system.add(face.index(), &block);
         }
-        gradient
+        (gradient, held)
     }
 
     fn solve(

@@ -25,6 +25,17 @@ pub(crate) fn not_counter_clockwise(topology: &Topology, uv: &[Point2<f64>]) -> 
     Some((first, 1 + bad.count()))
 }
 
+/// Whether a counter-clockwise triangle has come to the resolution of doubles where it lies: a few roundings of its
+/// coordinates could turn it over.
+#[inline]
+pub(crate) fn at_resolution(points: &[Point2<f64>; 3]) -> bool {
+    /// How many roundings of a coordinate are a few.
+    const ROUNDINGS: f64 = 32.0;
+    let largest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+    let reach = (points[1] - points[0]).norm() + (points[2] - points[0]).norm();
+    orientation(points) <= ROUNDINGS * f64::EPSILON * largest * reach
+}
+
 /// The edge vectors of a triangle as complex numbers, edge `k` facing corner `k`, counter-clockwise.
 #[inline]
 pub(crate) fn edges([a, b, c]: &[Point2<f64>; 3]) -> [Complex64; 3] {
@@ -105,6 +116,14 @@ mod tests {
                 assert!((slope - derivatives[k][column]).abs() < 1e-9, "{k} {column}");
             }
         }
+    }
+
+    #[test]
+    fn a_triangle_comes_to_the_resolution_of_doubles_by_being_small_far_from_the_origin() {
+        let scaled = |scale: f64, x: f64| points().map(|p| Point2::new(x + scale * p.x, scale * p.y));
+        assert!(!at_resolution(&scaled(1e-13, 0.0)));
+        assert!(!at_resolution(&scaled(1e-12, 1.0)));
+        assert!(at_resolution(&scaled(1e-15, 1.0)));
     }
 
     #[test]
