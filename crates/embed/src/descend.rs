@@ -16,7 +16,7 @@ use crate::retract::Retraction;
 use crate::{BoundarySpacing, EmbedError, TutteWeights, tutte};
 use abf_constraints::{AngleProblem, max_residual};
 use abf_linalg::LinearStats;
-use abf_mesh::{Point2, Topology, TriMesh, Vector2, VertexId};
+use abf_mesh::{Point2, Topology, TriMesh, UvMap, Vector2, VertexId};
 use abf_solve_core::{IterationRecord, Observer, StopCriteria, Termination, Watch};
 
 /// The descent and its settings.
@@ -121,7 +121,7 @@ impl Descent {
             }
         };
         check_start(topology, &uv)?;
-        let mut run = Run::new(*self, problem, uv)?;
+        let mut run = Run::new(*self, problem, &uv)?;
         let termination = run.descend(stop, &mut watch)?;
         let (uv, area_matched) = scaled_to(topology, run.uv, mesh.area());
         let angles = measured(topology, &uv);
@@ -150,6 +150,23 @@ impl Descent {
     }
 }
 
+/// One point per vertex from a map, as [`Descent::solve`] takes its start; vertices that no face uses are at the origin.
+///
+/// # Errors
+/// The first vertex that the map gives two places: a seam.
+///
+/// # Panics
+/// If the map has not three corners for every face.
+pub fn vertex_points(topology: &Topology, uv: &UvMap) -> Result<Vec<Point2<f64>>, VertexId> {
+    assert_eq!(uv.corners().len(), topology.corner_count(), "a map of this mesh");
+    let point = |v: VertexId| match topology.fan_start(v) {
+        None => Ok(Point2::origin()),
+        Some(first) if topology.fan(v).all(|c| uv.corner(c) == uv.corner(first)) => Ok(uv.corner(first)),
+        Some(_) => Err(v),
+    };
+    topology.vertices().map(point).collect()
+}
+
 fn check_start(topology: &Topology, uv: &[Point2<f64>]) -> Result<(), EmbedError> {
     if uv.len() != topology.vertex_count() {
         return Err(EmbedError::PointCount { given: uv.len(), vertices: topology.vertex_count() });
@@ -172,10 +189,10 @@ struct Run<'p, 'a> {
 }
 
 impl<'p, 'a> Run<'p, 'a> {
-    fn new(settings: Descent, problem: &'p AngleProblem<'a>, uv: Vec<Point2<f64>>) -> Result<Self, EmbedError> {
+    fn new(settings: Descent, problem: &'p AngleProblem<'a>, uv: &[Point2<f64>]) -> Result<Self, EmbedError> {
         let topology = problem.topology();
-        let pins = pins(topology, &uv);
-        let uv = centred(topology, &uv, pins[0]);
+        let pins = pins(topology, uv);
+        let uv = centred(topology, uv, pins[0]);
         Ok(Self {
             settings,
             objective: Objective { problem, barrier: settings.barrier_start },

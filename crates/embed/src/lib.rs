@@ -50,7 +50,7 @@ mod tutte;
 use abf_linalg::LinearError;
 use abf_mesh::{DiskError, FaceId};
 use abf_solve_core::SolveError;
-pub use descend::{Descent, DescentRecord, DescentSolution};
+pub use descend::{Descent, DescentRecord, DescentSolution, vertex_points};
 pub use line_search::StepKind;
 pub use tutte::{BoundarySpacing, TutteEmbedding, TutteWeights, tutte};
 

@@ -79,7 +79,7 @@ impl Search<'_, '_, '_> {
             let way: Vec<Vector2<f64>> = end.iter().zip(self.uv).map(|(to, from)| to - from).collect();
             let part = WAY_TO_COLLAPSE * self.first_collapse(&way);
             let there = || self.uv.iter().zip(&way).map(|(p, d)| p + d * part).collect();
-            (part >= WORTH_GOING && part < 1.0).then(|| self.accept(there(), s * part, StepKind::Turning)).flatten()
+            (WORTH_GOING..1.0).contains(&part).then(|| self.accept(there(), s * part, StepKind::Turning)).flatten()
         })
     }
 

@@ -4,7 +4,7 @@ use crate::objective::Objective;
 use crate::plane::{angle_derivatives, at_resolution, edges, of_face};
 use crate::system::FaceSystem;
 use abf_linalg::{Cholesky, LinearError, LinearStats, Refinement};
-use abf_mesh::{Point2, Topology, Vector2, VertexId};
+use abf_mesh::{FaceId, Point2, Topology, Vector2, VertexId};
 
 /// The weight of `Σ |δe|² / |e|²` over the edges of all faces, beside energies of about 1 per corner. It bends no
 /// optimum (it damps steps only) and keeps changes of scale that cost next to nothing within bounds.
@@ -118,7 +118,7 @@ impl Newton {
     }
 }
 
-fn angle_change(topology: &Topology, uv: &[Point2<f64>], motion: &[Vector2<f64>], face: abf_mesh::FaceId) -> [f64; 3] {
+fn angle_change(topology: &Topology, uv: &[Point2<f64>], motion: &[Vector2<f64>], face: FaceId) -> [f64; 3] {
     let [a, b, c] = of_face(topology, motion, face);
     // Differences first: in a small triangle that is carried far they are what is left.
     let relative = [0.0, 0.0, b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y];

@@ -1,8 +1,8 @@
 //! The descent as a user sees it.
 
 use abf_constraints::{AngleProblem, EstimateSettings};
-use abf_embed::{Descent, DescentSolution, EmbedError, tutte};
-use abf_mesh::{FaceId, Point2, Point3, Topology, TriMesh, VertexId};
+use abf_embed::{Descent, DescentSolution, EmbedError, tutte, vertex_points};
+use abf_mesh::{FaceId, Point2, Point3, Topology, TriMesh, UvId, UvMap, VertexId};
 use abf_shapes::Shape;
 use abf_solve_core::{Event, Observer, Silent, StopCriteria, Termination, Verdict};
 use robust::{Coord, orient2d};
@@ -73,7 +73,7 @@ fn a_flat_mesh_comes_back_as_the_barrier_vanishes() {
 fn the_area_is_that_of_the_surface() {
     let mesh = Shape::Hemisphere.mesh(400);
     let solution = descend(&mesh, Descent::default());
-    let uv = abf_mesh::UvMap::per_vertex(&mesh, &solution.uv);
+    let uv = UvMap::per_vertex(&mesh, &solution.uv);
     assert!((uv.signed_area() / mesh.area() - 1.0).abs() < 1e-12);
 }
 
@@ -92,6 +92,19 @@ fn any_valid_drawing_is_a_start_and_leads_to_the_same_angles() {
     assert!(embedded.tutte.is_some() && restarted.tutte.is_none());
     let apart = embedded.angles.iter().zip(&restarted.angles).fold(0.0, |m, (x, y)| f64::max(m, (x - y).abs()));
     assert!(apart < 1e-5, "{apart}");
+}
+
+#[test]
+fn a_map_without_a_seam_is_a_start() {
+    let mesh = Shape::Pyramid.mesh(6);
+    let topology = topology(&mesh);
+    let embedding = tutte(&mesh, &topology).expect("a drawing");
+    let map = UvMap::per_vertex(&mesh, &embedding.uv);
+    assert_eq!(vertex_points(&topology, &map), Ok(embedding.uv));
+    // Every corner a point of its own, the triangles apart.
+    let apart = topology.corners().map(|c| Point2::new(c.index() as f64, c.place() as f64)).collect();
+    let apart = UvMap::new(apart, (0..topology.corner_count()).map(UvId::new).collect());
+    assert!(vertex_points(&topology, &apart).is_err());
 }
 
 #[test]
