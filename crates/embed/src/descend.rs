@@ -90,14 +90,14 @@ pub struct DescentSolution {
 }
 
 impl Descent {
-    /// Descends from `start`, one point per vertex, or from [`tutte`]'s embedding.
+    /// Descends from `start`, one point per vertex, or from [`tutte()`]'s embedding.
     ///
     /// Of `stop` it heeds the number of iterations, the time limit and the step tolerance (a full step below it is
     /// converged, too); a drawing has no constraint residual to bring down. Same input, same bits.
     ///
     /// # Errors
     /// [`EmbedError::Setting`]; [`EmbedError::PointCount`] and [`EmbedError::StartFlipped`] for a start that is not a
-    /// drawing; the errors of [`tutte`]; [`EmbedError::Linear`] if not even the first step could be computed.
+    /// drawing; the errors of [`tutte()`]; [`EmbedError::Linear`] if not even the first step could be computed.
     ///
     /// # Panics
     /// If the problem is not that of `mesh`.

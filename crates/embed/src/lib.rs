@@ -3,7 +3,7 @@
 //! The solvers in angle space may end outside (0, π), and their layouts with flips. Here the unknowns are the UVs of
 //! the vertices, and every drawing on the way is one in which each triangle is counter-clockwise by an exact predicate:
 //!
-//! * [`tutte`]: a first drawing, on a circle (Tutte 1963; mean-value weights: Floater 2003).
+//! * [`tutte()`]: a first drawing, on a circle (Tutte 1963; mean-value weights: Floater 2003).
 //! * [`Descent`]: from there, or from any valid drawing, to the least angle energy with a logarithmic barrier.
 //!
 //! | symbol | name here | meaning |
