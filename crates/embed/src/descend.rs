@@ -1,0 +1,343 @@
+//! The descent over vertex positions: from a valid drawing to a better one, through valid ones only.
+//!
+//! Minimises `E(u) = Σ w (x(u) − a)² − μ Σ [log x(u) + log(π − x(u))]` over the UVs `u` of the vertices, `x(u)` being the
+//! angles of their drawing, `a` and `w` the targets and weights of the [`AngleProblem`]. A drawing closes by itself, so
+//! there are no constraints; what the other solvers keep by multipliers, here is kept by construction. The barrier μ
+//! falls from [`Descent::barrier_start`] to [`Descent::barrier_floor`].
+//!
+//! Every step is a Gauss–Newton direction (`newton.rs`), followed with turning and scaling edges or along a straight
+//! line (`retract.rs`), no further than an exact predicate allows (`line_search.rs`).
+
+use crate::line_search::{Place, Search, StepKind, measured};
+use crate::newton::{Direction, Newton};
+use crate::objective::Objective;
+use crate::plane::{not_counter_clockwise, of_face, orientation};
+use crate::retract::Retraction;
+use crate::{BoundarySpacing, EmbedError, TutteWeights, tutte};
+use abf_constraints::{AngleProblem, max_residual};
+use abf_linalg::LinearStats;
+use abf_mesh::{Point2, Topology, TriMesh, UvMap, Vector2, VertexId};
+use abf_solve_core::{IterationRecord, Observer, StopCriteria, Termination, Watch};
+
+/// The descent and its settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Descent {
+    /// The first μ, in units of energy per corner: weights are `1/a²`, so 1 is the energy of an angle that is off by
+    /// all of its target.
+    pub barrier_start: f64,
+    /// The last μ. As μ → 0 the result tends to the optimum of ABF, which on some meshes has angles of 0: there the floor
+    /// is what keeps every triangle usable.
+    pub barrier_floor: f64,
+    /// By what μ is multiplied, in (0, 1).
+    pub barrier_reduction: f64,
+    /// Converged means that at the floor a full step promises to lower `E` by no more than this share of
+    /// `Σ w (x − a)² + 3 nt μ`.
+    pub energy_tolerance: f64,
+}
+
+impl Default for Descent {
+    fn default() -> Self {
+        Self { barrier_start: 1.0, barrier_floor: 1e-3, barrier_reduction: 0.1, energy_tolerance: 1e-6 }
+    }
+}
+
+/// One step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DescentRecord {
+    /// Counted from 1.
+    pub iteration: usize,
+    /// μ.
+    pub barrier: f64,
+    /// `Σ w (x − a)²` after it.
+    pub energy: f64,
+    /// `E` after it, with this μ.
+    pub objective: f64,
+    /// `⟨dE/du, d⟩` before it: what a full step promises, twice.
+    pub slope: f64,
+    /// `max |δ|` of the full step, rad.
+    pub step: f64,
+    /// The share of the full step that was taken; 0 when no share of it led anywhere.
+    pub step_length: f64,
+    /// How it moved the vertices.
+    pub kind: StepKind,
+    /// How many faces were held in place by it, because a few roundings of their coordinates could turn them over. A
+    /// descent that converges with some has found the best drawing around them.
+    pub held_faces: usize,
+    /// The smallest angle after it, rad.
+    pub smallest_angle: f64,
+    /// Its linear solve.
+    pub linear: LinearStats,
+}
+
+/// A drawing in which every triangle is counter-clockwise, by an exact predicate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DescentSolution {
+    /// One point per vertex; the origin for vertices that no face uses.
+    pub uv: Vec<Point2<f64>>,
+    /// The angles of the drawing, one per corner, rad. For the residual and the interval of
+    /// `AngleSolution::measure`.
+    pub angles: Vec<f64>,
+    /// How it ended. [`Termination::Stalled`]: no step led anywhere, mostly because triangles have come to the
+    /// resolution of doubles.
+    pub termination: Termination,
+    /// Every step.
+    pub history: Vec<DescentRecord>,
+    /// The embedding it started from, where none was given.
+    pub tutte: Option<(BoundarySpacing, TutteWeights)>,
+    /// Whether the UV area is the area of the surface. If doubles do not hold the drawing at that scale it is the
+    /// nearest power of two that multiplies the scale, which moves no bit.
+    pub area_matched: bool,
+}
+
+impl Descent {
+    /// Descends from `start`, one point per vertex, or from [`tutte()`]'s embedding.
+    ///
+    /// Of `stop` it heeds the number of iterations, the time limit and the step tolerance (a full step below it is
+    /// converged, too); a drawing has no constraint residual to bring down. Same input, same bits.
+    ///
+    /// # Errors
+    /// [`EmbedError::Setting`]; [`EmbedError::PointCount`] and [`EmbedError::StartFlipped`] for a start that is not a
+    /// drawing; the errors of [`tutte()`]; [`EmbedError::Linear`] if not even the first step could be computed.
+    ///
+    /// # Panics
+    /// If the problem is not that of `mesh`.
+    pub fn solve(
+        &self,
+        mesh: &TriMesh,
+        problem: &AngleProblem<'_>,
+        start: Option<&[Point2<f64>]>,
+        stop: &StopCriteria,
+        observer: &mut dyn Observer,
+    ) -> Result<DescentSolution, EmbedError> {
+        self.check()?;
+        stop.check()?;
+        let topology = problem.topology();
+        let mut watch = Watch::start(stop, observer);
+        let (uv, embedding) = match start {
+            Some(start) => (start.to_vec(), None),
+            None => {
+                let embedding = tutte(mesh, topology)?;
+                (embedding.uv, Some((embedding.spacing, embedding.weights)))
+            }
+        };
+        check_start(topology, &uv)?;
+        let mut run = Run::new(*self, problem, &uv)?;
+        let termination = run.descend(stop, &mut watch)?;
+        let (uv, area_matched) = scaled_to(topology, run.uv, mesh.area());
+        let angles = measured(topology, &uv);
+        Ok(DescentSolution { uv, angles, termination, history: run.history, tutte: embedding, area_matched })
+    }
+
+    fn check(&self) -> Result<(), EmbedError> {
+        let positive = "positive and finite";
+        let fault = |name, allowed, value| Err(EmbedError::Setting { name, allowed, value });
+        for (name, value) in [
+            ("barrier_start", self.barrier_start),
+            ("barrier_floor", self.barrier_floor),
+            ("energy_tolerance", self.energy_tolerance),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return fault(name, positive, value);
+            }
+        }
+        if self.barrier_floor > self.barrier_start {
+            return fault("barrier_floor", "at most barrier_start", self.barrier_floor);
+        }
+        if !(self.barrier_reduction > 0.0 && self.barrier_reduction < 1.0) {
+            return fault("barrier_reduction", "in (0, 1)", self.barrier_reduction);
+        }
+        Ok(())
+    }
+}
+
+/// One point per vertex from a map, as [`Descent::solve`] takes its start; vertices that no face uses are at the origin.
+///
+/// # Errors
+/// The first vertex that the map gives two places: a seam.
+///
+/// # Panics
+/// If the map has not three corners for every face.
+pub fn vertex_points(topology: &Topology, uv: &UvMap) -> Result<Vec<Point2<f64>>, VertexId> {
+    assert_eq!(uv.corners().len(), topology.corner_count(), "a map of this mesh");
+    let point = |v: VertexId| match topology.fan_start(v) {
+        None => Ok(Point2::origin()),
+        Some(first) if topology.fan(v).all(|c| uv.corner(c) == uv.corner(first)) => Ok(uv.corner(first)),
+        Some(_) => Err(v),
+    };
+    topology.vertices().map(point).collect()
+}
+
+fn check_start(topology: &Topology, uv: &[Point2<f64>]) -> Result<(), EmbedError> {
+    if uv.len() != topology.vertex_count() {
+        return Err(EmbedError::PointCount { given: uv.len(), vertices: topology.vertex_count() });
+    }
+    match not_counter_clockwise(topology, uv) {
+        None => Ok(()),
+        Some((face, count)) => Err(EmbedError::StartFlipped { face, count }),
+    }
+}
+
+/// The workspace of one descent.
+struct Run<'p, 'a> {
+    settings: Descent,
+    objective: Objective<'p, 'a>,
+    newton: Newton,
+    retraction: Retraction,
+    uv: Vec<Point2<f64>>,
+    angles: Vec<f64>,
+    history: Vec<DescentRecord>,
+}
+
+impl<'p, 'a> Run<'p, 'a> {
+    fn new(settings: Descent, problem: &'p AngleProblem<'a>, uv: &[Point2<f64>]) -> Result<Self, EmbedError> {
+        let topology = problem.topology();
+        let pins = pins(topology, uv);
+        let uv = centred(topology, uv, pins[0]);
+        Ok(Self {
+            settings,
+            objective: Objective { problem, barrier: settings.barrier_start },
+            newton: Newton::new(topology, pins)?,
+            retraction: Retraction::new(topology, pins[0])?,
+            angles: measured(topology, &uv),
+            uv,
+            history: Vec::new(),
+        })
+    }
+
+    fn descend(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Result<Termination, EmbedError> {
+        loop {
+            let direction = match self.newton.direction(&self.objective, &self.uv, &self.angles) {
+                Ok(direction) => direction,
+                Err(error) if self.history.is_empty() => return Err(error.into()),
+                Err(_) => return Ok(Termination::Stalled),
+            };
+            let at_floor = self.objective.barrier <= self.settings.barrier_floor;
+            let scale = self.objective.scale(&self.angles);
+            let found = self.step(&direction, watch);
+            let last = self.history.last().expect("a step is always recorded");
+            let small = last.step <= stop.step_tolerance || -last.slope <= self.settings.energy_tolerance * scale;
+            if at_floor && small {
+                return Ok(Termination::Converged);
+            }
+            if let Some(interruption) = watch.interruption() {
+                return Ok(interruption);
+            }
+            if self.history.len() >= stop.max_iterations {
+                return Ok(Termination::MaxIterations);
+            }
+            match (found, at_floor) {
+                (false, true) => return Ok(Termination::Stalled),
+                (found, false) if !found || self.is_centred() => self.lower_barrier(),
+                _ => {}
+            }
+        }
+    }
+
+    /// Whether the last step leaves nothing to gain from another with the same μ: it was nearly a full one, or promised
+    /// little.
+    fn is_centred(&self) -> bool {
+        /// The share of a full step that is nearly one.
+        const NEARLY_FULL: f64 = 0.9;
+        /// The promise per corner, in units of μ, that is little.
+        const LITTLE: f64 = 0.1;
+        self.history.last().is_some_and(|last| {
+            last.step_length > NEARLY_FULL || -last.slope < LITTLE * last.barrier * self.angles.len() as f64
+        })
+    }
+
+    fn lower_barrier(&mut self) {
+        let lower = self.objective.barrier * self.settings.barrier_reduction;
+        self.objective.barrier = lower.max(self.settings.barrier_floor);
+    }
+
+    /// Takes the best step along a direction and records it; `false` when there is none.
+    fn step(&mut self, direction: &Direction, watch: &mut Watch<'_>) -> bool {
+        let value = self.objective.value(&self.angles);
+        let (objective, uv, angles) = (self.objective, &self.uv, &self.angles);
+        let place = Search { objective, uv, angles, value, direction }.run(&mut self.retraction);
+        let found = place.is_some();
+        let place = place.unwrap_or_else(|| Place {
+            uv: self.uv.clone(),
+            angles: self.angles.clone(),
+            objective: value,
+            share: 0.0,
+            kind: StepKind::Straight,
+        });
+        self.uv = place.uv;
+        self.angles = place.angles;
+        let record = DescentRecord {
+            iteration: self.history.len() + 1,
+            barrier: self.objective.barrier,
+            energy: self.objective.problem.energy(&self.angles),
+            objective: place.objective,
+            slope: direction.slope,
+            step: direction.angle_change.iter().fold(0.0, |most, d| d.abs().max(most)),
+            step_length: place.share,
+            kind: place.kind,
+            held_faces: direction.held,
+            smallest_angle: self.angles.iter().copied().fold(f64::INFINITY, f64::min),
+            linear: direction.linear,
+        };
+        self.history.push(record);
+        watch.iteration(&self.reported(&record));
+        found
+    }
+
+    /// What observers of other solvers know how to read.
+    fn reported(&self, record: &DescentRecord) -> IterationRecord {
+        let problem = self.objective.problem;
+        IterationRecord {
+            iteration: record.iteration,
+            constraint_residual: max_residual(problem.topology(), problem.rows(), &self.angles),
+            step: record.step,
+            inner_iterations: record.linear.iterations,
+            inner_residual: record.linear.relative_residual,
+            inner_converged: true,
+            energy: Some(record.energy),
+            step_length: record.step_length,
+            ..IterationRecord::default()
+        }
+    }
+}
+
+/// A vertex on the shortest edge and the one farthest from it.
+///
+/// The first stays at the origin, around which doubles are dense: the most crowded neighbourhood keeps its digits, and
+/// needs not be carried along by the rest.
+fn pins(topology: &Topology, uv: &[Point2<f64>]) -> [VertexId; 2] {
+    let at = |v: VertexId| uv[v.index()];
+    let length = |c: &abf_mesh::CornerId| (at(topology.vertex(c.next())) - at(topology.vertex(*c))).norm_squared();
+    let shortest = topology.corners().min_by(|a, b| length(a).total_cmp(&length(b))).expect("a disk has corners");
+    let crowded = topology.vertex(shortest);
+    let distance = |v: VertexId| (at(v) - at(crowded)).norm_squared();
+    let used = topology.vertices().filter(|&v| topology.fan_start(v).is_some());
+    let far = used.max_by(|&a, &b| distance(a).total_cmp(&distance(b))).expect("a disk has vertices");
+    [crowded, far]
+}
+
+/// The drawing with this vertex at the origin, unless the rounding of the others spoils it. Vertices that no face uses
+/// are at the origin either way.
+fn centred(topology: &Topology, uv: &[Point2<f64>], centre: VertexId) -> Vec<Point2<f64>> {
+    let moved_by = |shift: Vector2<f64>| -> Vec<Point2<f64>> {
+        let moved = |v: VertexId| topology.fan_start(v).map_or(Point2::origin(), |_| uv[v.index()] - shift);
+        topology.vertices().map(moved).collect()
+    };
+    let centred = moved_by(uv[centre.index()].coords);
+    if not_counter_clockwise(topology, &centred).is_none() { centred } else { moved_by(Vector2::zeros()) }
+}
+
+/// The drawing with this area if doubles hold it there, else as near as a power of two brings it; and which.
+fn scaled_to(topology: &Topology, uv: Vec<Point2<f64>>, area: f64) -> (Vec<Point2<f64>>, bool) {
+    let double_area =
+        |uv: &[Point2<f64>]| -> f64 { topology.faces().map(|f| orientation(&of_face(topology, uv, f))).sum() };
+    let scale = (2.0 * area / double_area(&uv)).sqrt();
+    let by = |scale: f64| -> Vec<Point2<f64>> { uv.iter().map(|p| p * scale).collect() };
+    let valid = |uv: &[Point2<f64>]| not_counter_clockwise(topology, uv).is_none();
+    let matched = by(scale);
+    if valid(&matched) {
+        return (matched, true);
+    }
+    let near = by(scale.log2().round().exp2());
+    // A power of two moves no bit but where it underflows.
+    if valid(&near) { (near, false) } else { (uv, false) }
+}
