@@ -60,16 +60,18 @@ fn repeated_points(mesh: &TriMesh, uv: &UvMap) -> Vec<(UvId, UvId)> {
 
 /// Union–find with path halving. The lower index becomes the root, so the result does not depend
 /// on anything but the sets.
-struct DisjointSets {
+pub(crate) struct DisjointSets {
     parent: Vec<usize>,
 }
 
 impl DisjointSets {
-    fn new(len: usize) -> Self {
+    /// As many sets as there are elements.
+    pub(crate) fn new(len: usize) -> Self {
         Self { parent: (0..len).collect() }
     }
 
-    fn root(&mut self, mut i: usize) -> usize {
+    /// The lowest element of a set.
+    pub(crate) fn root(&mut self, mut i: usize) -> usize {
         while self.parent[i] != i {
             self.parent[i] = self.parent[self.parent[i]];
             i = self.parent[i];
@@ -77,7 +79,8 @@ impl DisjointSets {
         i
     }
 
-    fn join(&mut self, i: usize, j: usize) {
+    /// Makes one set of two.
+    pub(crate) fn join(&mut self, i: usize, j: usize) {
         let (i, j) = (self.root(i), self.root(j));
         self.parent[i.max(j)] = i.min(j);
     }
