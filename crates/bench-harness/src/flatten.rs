@@ -87,6 +87,9 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     if let Some(failure) = &record.error {
         console::failure(failure);
     }
+    if let Some(overlap) = &record.overlap {
+        console::note(&record.mesh, overlap);
+    }
     if let Some(hint) = &record.hint {
         console::hint(&record.mesh, hint);
     }

@@ -86,6 +86,7 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Layout(LayoutError::NoBoundary) => ("closed", "cut it open along a seam first"),
         FlattenError::Layout(_) => ("no-layout", "try another --layout"),
         FlattenError::LscmLayout(_) => ("setting", "take --layout least-squares or least-squares-weighted"),
+        FlattenError::Certificate(error) => metrics(error),
         FlattenError::Cancelled => ("cancelled", "start it again to have it flattened"),
         _ => ("not-flattened", "try --solver lscm"),
     }

@@ -1,5 +1,6 @@
 //! Files, judged by the UVs they have.
 
+use crate::advice;
 use crate::args::MetricsArgs;
 use crate::console;
 use crate::errors::Failure;
@@ -52,6 +53,10 @@ fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
     let uv = file.uv.ok_or_else(|| Failure::no_uv(&record.mesh, file.notes.uv_dropped))?;
     let metrics = abf_metrics::measure(&file.mesh, &uv);
     record.quality = Some(Quality::new(metrics.map_err(|error| Failure::metrics(&record.mesh, &error))?));
+    record.overlap = advice::overlap(record);
+    if let Some(overlap) = &record.overlap {
+        console::note(&record.mesh, overlap);
+    }
     let total = begin.elapsed().as_secs_f64();
     let stages = Stages { topology: built - read, ..Stages::default() };
     let timings = Timings { read, stages, metrics: total - built, total, ..Timings::default() };

@@ -8,9 +8,9 @@ use std::str::FromStr;
 use crate::MetricsError;
 use crate::face::{Orientation, Survey};
 use crate::overlap::Overlaps;
-use crate::sheet::Sheet;
+use crate::sheet::{Fan, Sheet};
 use crate::triangle::cotangents;
-use crate::winding::wound_vertices;
+use crate::winding::winds_twice;
 
 /// What a format keeps of a coordinate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -90,15 +90,16 @@ pub struct Certificate {
     /// triangle that could collapse or turn over when each of its coordinates moves by one unit in the
     /// last place of the largest is among them.
     pub near_collapsed: usize,
-    /// Vertices with triangles on the right side that wind around them more than once: an interior vertex
-    /// has to be turned around exactly once, a boundary vertex at most once. Every triangle can be on the
-    /// right side there, and yet the map folds like a screw. Vertices with a flipped or collapsed
-    /// triangle are not counted.
+    /// Interior vertices around which the triangles wind more than once: every triangle is on the right
+    /// side, and yet the map turns around the vertex like a screw. Vertices with a flipped or collapsed
+    /// triangle are not counted. A boundary vertex whose triangles turn further than once is not among
+    /// them: there the boundary overlaps itself ([`meetings`](Self::meetings)).
     pub wound: usize,
     /// Pairs of boundary edges that cross inside both; edges between the same places are one.
     pub crossings: usize,
     /// Points at ends of boundary edges where the boundary meets itself and two faces cover one direction:
-    /// edges that lie on each other with their faces on the same side, corners that reach into others.
+    /// edges that lie on each other with their faces on the same side, corners that reach into others,
+    /// boundary vertices whose triangles turn by more than a full turn.
     pub meetings: usize,
     /// Connected pieces of the boundary whose leftmost point lies under a part of the map that does not
     /// touch it: a chart inside a triangle of another chart, the rim of a hole over another part.
@@ -130,7 +131,8 @@ impl Certificate {
     /// How many offenders of each kind are listed by name.
     pub const LISTED: usize = 10;
 
-    /// Whether the map is locally one to one: no triangle flipped, none collapsed, no vertex wound around.
+    /// Whether the map is locally one to one inside the surface: no triangle flipped, none collapsed, no
+    /// vertex wound around.
     #[must_use]
     pub fn valid(&self) -> bool {
         self.flips == 0 && self.collapsed == 0 && self.wound == 0
@@ -177,9 +179,15 @@ pub(crate) fn of_survey(survey: &Survey<'_>, precision: Precision) -> Certificat
     let (flips, flipped_faces) = faces_that_are(&orientations, Orientation::Flipped);
     let (collapsed, collapsed_faces) = faces_that_are(&orientations, Orientation::Collapsed);
     let sheet = Sheet::new(survey.mesh(), survey.uv(), survey.uv_scale(), |f| survey.is_mirrored(FaceId::new(f)));
-    let fans: Vec<_> = sheet.fans().collect();
-    let mut wound = wound_vertices(&sheet, &fans, |face| orientations[face.index()] == Orientation::Kept);
-    let overlaps = Overlaps::find(&sheet, &fans, Certificate::LISTED);
+    let fans: Vec<Fan> = sheet.fans().collect();
+    // Where a triangle is flipped or collapsed, the triangles of a fan do not all turn one way.
+    let is_kept = |fan: Fan| sheet.fan_corners(fan).all(|c| orientations[c.face().index()] == Orientation::Kept);
+    let twice: Vec<Fan> = fans.iter().copied().filter(|&fan| is_kept(fan) && winds_twice(&sheet, fan)).collect();
+    let mut wound: Vec<VertexId> =
+        twice.iter().filter(|fan| fan.is_closed).map(|fan| sheet.vertex(fan.first)).collect();
+    wound.sort_unstable();
+    wound.dedup();
+    let overlaps = Overlaps::find(&sheet, &fans, &twice, Certificate::LISTED);
     let (uv_angle_min, uv_angle_max) = angle_interval(survey);
     let wound_count = wound.len();
     wound.truncate(Certificate::LISTED);

@@ -58,6 +58,12 @@ pub struct Metrics {
 impl Metrics {
     /// How many offenders of each kind are listed by name.
     pub const LISTED: usize = Certificate::LISTED;
+
+    /// Whether the map is locally one to one: [`Certificate::valid`].
+    #[must_use]
+    pub fn valid(&self) -> bool {
+        self.certificate.valid()
+    }
 }
 
 /// The counts of the [`Certificate`] by their own names: `metrics.flips`.

@@ -30,7 +30,7 @@ pub(crate) struct Sheet {
 }
 
 /// The corners around a vertex, joined one to the next counter-clockwise.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Fan {
     /// Its first corner clockwise; any one where it closes.
     pub(crate) first: CornerId,

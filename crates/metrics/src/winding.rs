@@ -1,25 +1,15 @@
-//! Vertices around which the triangles of a map wind more than once.
+//! Fans whose triangles wind around their vertex more than once.
 
 use crate::direction;
 use crate::sheet::{Fan, Sheet};
-use abf_mesh::{FaceId, VertexId};
 
-/// The vertices with a fan that winds more than once, in ascending order, each once.
+/// Whether the triangles of a fan, all counter-clockwise, wind around its vertex more than once.
 ///
 /// A step from one edge of a counter-clockwise triangle to the next turns by less than π, so a full turn
 /// is completed exactly where a step leads from the lower half plane to the upper one: counting those
 /// steps counts turns without any rounding. A fan that closes must turn once; one on the boundary must
 /// not turn further than once, which means that it may come back to its first edge, but not pass it.
-/// Fans with a triangle that is not `kept` are not counted: their triangles do not all turn one way.
-pub(crate) fn wound_vertices(sheet: &Sheet, fans: &[Fan], kept: impl Fn(FaceId) -> bool) -> Vec<VertexId> {
-    let is_wound = |fan: &&Fan| sheet.fan_corners(**fan).all(|c| kept(c.face())) && winds_twice(sheet, **fan);
-    let mut wound: Vec<VertexId> = fans.iter().filter(is_wound).map(|fan| sheet.vertex(fan.first)).collect();
-    wound.sort_unstable();
-    wound.dedup();
-    wound
-}
-
-fn winds_twice(sheet: &Sheet, fan: Fan) -> bool {
+pub(crate) fn winds_twice(sheet: &Sheet, fan: Fan) -> bool {
     let centre = sheet.place(fan.first);
     let is_upper = |p| direction::is_upper(centre, p);
     let completes_turn = |c: &abf_mesh::CornerId| !is_upper(sheet.place(c.next())) && is_upper(sheet.place(c.prev()));

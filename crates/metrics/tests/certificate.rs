@@ -73,7 +73,7 @@ impl Drawing {
         pairs.filter(|&(i, j)| crosses(edges[i], edges[j])).count()
     }
 
-    /// Vertices whose angles sum up to more than a full turn.
+    /// Interior vertices whose angles sum up to more than a full turn.
     fn wound(&self) -> Vec<usize> {
         let mut sums = vec![0.0; self.places.len()];
         for face in &self.faces {
@@ -83,7 +83,12 @@ impl Drawing {
                 sums[face[k]] += (angle(c) - angle(b)).rem_euclid(std::f64::consts::TAU);
             }
         }
-        (0..sums.len()).filter(|&v| sums[v] > std::f64::consts::TAU + 1e-6).collect()
+        let edges = |v: usize| {
+            self.faces.iter().filter(|f| f.contains(&v)).flatten().filter(|&&u| u != v).collect::<BTreeSet<_>>().len()
+        };
+        let faces = |v: usize| self.faces.iter().filter(|f| f.contains(&v)).count();
+        let is_inner = |v: usize| edges(v) == faces(v);
+        (0..sums.len()).filter(|&v| is_inner(v) && sums[v] > std::f64::consts::TAU + 1e-6).collect()
     }
 
     /// Holds the certificate of a drawing of counter-clockwise triangles against the judge.
@@ -176,7 +181,7 @@ fn grown_disks_are_judged_as_every_pair_of_their_triangles_is() {
         wound += usize::from(found.wound > 0);
         spirals += usize::from(found.valid() && !found.injective());
     }
-    assert!(injective > 300 && wound > 100 && spirals > 10, "all happen: {injective} {wound} {spirals}");
+    assert!(injective > 300 && wound > 20 && spirals > 100, "all happen: {injective} {wound} {spirals}");
 }
 
 #[test]
@@ -257,7 +262,7 @@ fn a_chart_in_the_hole_of_another_is_beside_it_and_one_in_its_triangles_under_it
     // The hole's rim lies under the square, and the square's rim goes around the whole ring.
     assert_eq!(counts(ring_and_square([-1.0, -1.0], 10.0)), (0, 0, 2, 0, false), "over everything");
     assert_eq!(counts(ring_and_square([2.0, 3.0], 1.0)), (0, 0, 0, 2, true), "touches the rim from within");
-    assert_eq!(counts(ring_and_square([1.0, 3.0], 1.0)), (0, 2, 0, 0, false), "touches it from the band");
+    assert_eq!(counts(ring_and_square([1.0, 3.0], 1.0)), (0, 2, 1, 0, false), "touches it from the band");
 }
 
 #[test]

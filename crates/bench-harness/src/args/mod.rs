@@ -10,10 +10,10 @@ use std::path::PathBuf;
 
 const EXIT_CODES: &str = "\
 Exit codes:
-  0  finished as asked, no flipped and no collapsed triangle
-  1  finished, but not converged, or with flipped or collapsed triangles, or cancelled
+  0  finished as asked and valid: no flipped and no collapsed triangle, no vertex wound around twice
+  1  finished, but not converged, or not valid, or cancelled
   2  unusable input or usage, or a file that cannot be written
-Of several meshes or solvers the worst counts.";
+Of several meshes or solvers the worst counts. A map that overlaps itself is said to, and does not change the code.";
 
 const COMPARE: &str = "\
 Every file is written anew after every mesh, so that stopping half-way keeps what is done.
@@ -54,7 +54,9 @@ pub(crate) enum Command {
     #[command(after_help = COMPARE)]
     Compare(Box<CompareArgs>),
     /// Judge the UVs that files already have
-    #[command(after_help = "Exit codes:\n  0  all valid\n  1  flipped or collapsed triangles\n  2  unusable input")]
+    #[command(
+        after_help = "Exit codes:\n  0  all valid\n  1  a file that is not valid: flipped or collapsed triangles, vertices wound around twice\n  2  unusable input"
+    )]
     Metrics(MetricsArgs),
     /// Write the fixture meshes, or one shape of any size
     Fixtures(FixturesArgs),

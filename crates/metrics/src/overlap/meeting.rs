@@ -2,8 +2,8 @@
 
 use super::outline::{Outline, Segment};
 use crate::direction;
-use crate::sheet::{Fan, Sheet};
-use abf_mesh::{FaceId, Point2};
+use crate::sheet::{Fan, Sheet, turn};
+use abf_mesh::{CornerId, FaceId, Point2};
 
 /// A sector at a spot that is covered: by a fan of faces, or by the face beside a segment that passes.
 #[derive(Clone, Copy)]
@@ -91,13 +91,21 @@ impl<'a> Meeting<'a> {
             Cover::Face(face) => return Some(face),
             Cover::Fan(fan) => fan,
         };
-        let turn = |a, b| crate::sheet::turn(self.centre, a, b);
-        let is_there = |c: &abf_mesh::CornerId| {
-            let (begin, end) = (self.sheet.place(c.next()), self.sheet.place(c.prev()));
-            let begins = direction::is_upper(self.centre, begin) == direction::is_upper(self.centre, towards)
-                && turn(begin, towards) == 0.0;
-            begins || (turn(begin, towards) > 0.0 && turn(towards, end) > 0.0)
-        };
-        self.sheet.fan_corners(fan).find(is_there).map(abf_mesh::CornerId::face)
+        self.sheet.fan_corners(fan).find(|&c| is_towards(self.sheet, c, towards)).map(CornerId::face)
     }
+}
+
+/// The first face of a fan that winds more than once, and the one that covers it after a full turn.
+pub(super) fn faces_over_each_other(sheet: &Sheet, fan: Fan) -> [Option<FaceId>; 2] {
+    let begin = sheet.place(fan.first.next());
+    let again = sheet.fan_corners(fan).skip(1).find(|&c| is_towards(sheet, c, begin));
+    [Some(fan.first.face()), again.map(CornerId::face)]
+}
+
+/// Whether the face of a corner lies just counter-clockwise of a direction from that corner.
+fn is_towards(sheet: &Sheet, corner: CornerId, towards: Point2<f64>) -> bool {
+    let [centre, begin, end] = [corner, corner.next(), corner.prev()].map(|c| sheet.place(c));
+    let begins = direction::is_upper(centre, begin) == direction::is_upper(centre, towards)
+        && turn(centre, begin, towards) == 0.0;
+    begins || (turn(centre, begin, towards) > 0.0 && turn(centre, towards, end) > 0.0)
 }

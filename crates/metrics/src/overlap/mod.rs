@@ -6,7 +6,7 @@
 //!
 //! 1. Two boundary edges that cross inside both have two faces over each other at the crossing.
 //! 2. Where the boundary meets itself otherwise, at the end of an edge, the sectors that its faces cover
-//!    around that point are compared: no direction may be in two of them.
+//!    around that point are compared: no direction may be in two of them, nor twice in one.
 //! 3. Without crossings, what covers the points beside one connected piece of the boundary, apart from the
 //!    faces that touch it, is the same all along it. It is found at the leftmost point of the piece: left
 //!    of that the piece itself does not wind, so the number of triangles is the winding number of all
@@ -31,7 +31,8 @@ use outline::{Outline, Segment};
 pub(crate) struct Overlaps {
     /// Pairs of boundary segments that cross inside both.
     pub(crate) crossings: usize,
-    /// Points where the boundary meets itself at the end of an edge and two faces cover one sector.
+    /// Points at ends of edges where the boundary meets itself, or turns around the point more than once,
+    /// and two faces cover one sector.
     pub(crate) meetings: usize,
     /// Connected pieces of the boundary whose leftmost point lies under faces that do not touch it.
     pub(crate) nested: usize,
@@ -42,15 +43,16 @@ pub(crate) struct Overlaps {
 }
 
 impl Overlaps {
-    /// Finds them; at most `listed` pairs of faces are named. `fans` are all fans of the sheet.
-    pub(crate) fn find(sheet: &Sheet, fans: &[Fan], listed: usize) -> Self {
+    /// Finds them; at most `listed` pairs of faces are named. `fans` are all fans of the sheet, `twice`
+    /// those of them that wind more than once.
+    pub(crate) fn find(sheet: &Sheet, fans: &[Fan], twice: &[Fan], listed: usize) -> Self {
         let outline = Outline::new(sheet);
         let mut found = Self::default();
         let mut pieces = DisjointSets::new(outline.spots.len());
         outline.segments.iter().for_each(|s| pieces.join(s.low as usize, s.high as usize));
         let passes = found.cross(&outline, &mut pieces, listed);
         let fans = fans_at_spots(sheet, &outline, fans);
-        found.meet(sheet, &outline, &fans, &passes, listed);
+        found.meet(sheet, &outline, (&fans, twice), &passes, listed);
         found.nest(sheet, &outline, &fans, &mut pieces, listed);
         found
     }
@@ -93,17 +95,32 @@ impl Overlaps {
     }
 
     /// Looks around every spot where more than one fan or segment is.
-    fn meet(&mut self, sheet: &Sheet, outline: &Outline, fans: &[(u32, Fan)], passes: &[(u32, u32)], listed: usize) {
+    fn meet(
+        &mut self,
+        sheet: &Sheet,
+        outline: &Outline,
+        (fans, twice): (&[(u32, Fan)], &[Fan]),
+        passes: &[(u32, u32)],
+        listed: usize,
+    ) {
+        let mut over: Vec<Fan> = twice.iter().filter(|fan| !fan.is_closed).copied().collect();
+        over.sort_unstable_by_key(|fan| fan.first);
+        let is_over = |fan: &Fan| over.binary_search_by_key(&fan.first, |fan| fan.first).is_ok();
         let mut rest = passes;
         for here in fans.chunk_by(|a, b| a.0 == b.0) {
             let spot = here[0].0;
             // Every end of a segment has a fan, so none of the passes is skipped.
             let (passing, after) = rest.split_at(rest.partition_point(|&(other, _)| other <= spot));
             rest = after;
-            if here.len() == 1 && passing.is_empty() {
+            let fans: Vec<Fan> = here.iter().map(|&(_, fan)| fan).collect();
+            if let Some(&fan) = fans.iter().find(|fan| is_over(fan)) {
+                self.meetings += 1;
+                self.name(meeting::faces_over_each_other(sheet, fan), listed);
                 continue;
             }
-            let fans: Vec<Fan> = here.iter().map(|&(_, fan)| fan).collect();
+            if fans.len() == 1 && passing.is_empty() {
+                continue;
+            }
             let passing: Vec<&Segment> = passing.iter().map(|&(_, s)| &outline.segments[s as usize]).collect();
             match Meeting::new(sheet, outline, spot, &fans, &passing).overlap() {
                 None => self.touches += 1,
