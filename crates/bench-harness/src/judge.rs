@@ -4,6 +4,7 @@ use crate::advice;
 use crate::args::MetricsArgs;
 use crate::console;
 use crate::errors::Failure;
+use crate::files;
 use crate::memory::HeapWatch;
 use crate::record::{Outcome, Quality, Record, Size, Stages, Timings, to_json};
 use crate::settings::JsonTarget;
@@ -15,8 +16,12 @@ use std::time::Instant;
 
 /// Judges every file asked for.
 pub(crate) fn judge_all(args: &MetricsArgs) -> Outcome {
-    let records: Vec<Record> = args.files.iter().map(|file| judge(file)).collect();
     let json = JsonTarget::new(args.json.clone());
+    if let Err(failure) = files::check([json.as_ref().and_then(JsonTarget::file)]) {
+        console::failure(&failure);
+        return Outcome::Failed;
+    }
+    let records: Vec<Record> = args.files.iter().map(|file| judge(file)).collect();
     let worst = records.iter().map(Record::outcome).max().unwrap_or(Outcome::AsAsked);
     match show(&table::of_meshes(&records), || to_json(&records), json.as_ref()) {
         Ok(()) => worst,
