@@ -3,7 +3,7 @@
 use crate::{Passes, SolverKind};
 use abf_constraints::{AngleProblem, EstimateSettings, ProblemError, WheelForm};
 use abf_mesh::{DiskError, GeometryError, Topology, TopologyError, TriMesh, UvMap};
-use abf_metrics::{Metrics, MetricsError};
+use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify, measure_certified};
 use abf_reconstruct::{Layout, LayoutError, LayoutKind, LayoutSettings, layout};
 use abf_solve_abf_newton::AbfNewton;
 use abf_solve_core::{
@@ -42,13 +42,17 @@ pub struct Pipeline {
     pub layout: LayoutSettings,
     /// Scale the UVs into the unit square instead of giving them the area of the surface.
     pub normalize: bool,
+    /// What the UVs will be stored in: they are rounded to it, and certified as that.
+    pub precision: Precision,
 }
 
 /// A flattened mesh.
 #[derive(Clone, Debug)]
 pub struct Flattening {
-    /// One UV per vertex.
+    /// One UV per vertex, in the precision asked for.
     pub uv: UvMap,
+    /// What is proved of these UVs: whether triangles are turned over, wind, or lie over each other.
+    pub certificate: Certificate,
     /// How the solver ended; [`Termination::OnePass`] for LSCM, which is one linear solve.
     pub termination: Termination,
     /// The angles; `None` for LSCM, which does not solve for any.
@@ -104,6 +108,9 @@ pub enum FlattenError {
     /// LSCM is a least squares layout and has no angles to integrate.
     #[error("lscm is a least squares layout: it cannot use the layout '{0}'")]
     LscmLayout(LayoutKind),
+    /// The UVs could not be judged: they do not fit into the precision asked for.
+    #[error("the UVs could not be judged")]
+    Certificate(#[from] MetricsError),
     /// Cancelled before there was anything to return.
     #[error("cancelled before there was a result")]
     Cancelled,
@@ -145,8 +152,14 @@ impl Pipeline {
         let angles = solution.as_ref().map_or(problem.mesh_angles(), AngleSolution::angles);
         let Layout { uv, kind, linear, closing_error, moved_angles } =
             layout(mesh, &topology, angles, &layout_settings)?;
+        let uv = if self.normalize { uv.normalized() } else { uv };
+        let uv = uv.mapped(|p| p.map(|x| self.precision.round(x)));
+        let _ = observer.observe(Event::StageStarted(Stage::Certificate));
+        let constraint_residual = solution.as_ref().map(AngleSolution::constraint_residual);
+        let certificate = Certificate { constraint_residual, ..certify(mesh, &uv, self.precision)? };
         Ok(Flattening {
-            uv: if self.normalize { uv.normalized() } else { uv },
+            uv,
+            certificate,
             termination: solution.as_ref().map_or(Termination::OnePass, AngleSolution::termination),
             layout: LayoutReport {
                 kind,
@@ -233,11 +246,11 @@ fn begin(observer: &mut dyn Observer, stage: Stage) -> Result<(), FlattenError> 
 }
 
 impl Flattening {
-    /// Distortion and validity, measured on the UVs.
+    /// Distortion, measured on the UVs, with their certificate.
     ///
     /// # Errors
     /// [`MetricsError`] when `mesh` is not the mesh that was flattened.
     pub fn metrics(&self, mesh: &TriMesh) -> Result<Metrics, MetricsError> {
-        abf_metrics::measure(mesh, &self.uv)
+        measure_certified(mesh, &self.uv, self.certificate.clone())
     }
 }

@@ -26,6 +26,9 @@ pub(crate) fn next_to_try(record: &Record) -> Option<String> {
     }
     if !quality.valid {
         what.push(format!("{} flipped and {} collapsed triangles", metrics.flips, metrics.collapsed));
+        if metrics.wound > 0 {
+            what.push(count(metrics.wound, "vertex wound around twice", "vertices wound around twice"));
+        }
     }
     if what.is_empty() {
         // As asked and valid, but a file could not be written.
@@ -35,6 +38,18 @@ pub(crate) fn next_to_try(record: &Record) -> Option<String> {
     tries.truncate(SUGGESTIONS);
     let what = what.join(", ");
     Some(if tries.is_empty() { what } else { format!("{what}: try {}", tries.join(", or ")) })
+}
+
+/// Where the UVs lie over themselves; `None` where they do not.
+pub(crate) fn overlap(record: &Record) -> Option<String> {
+    let metrics = record.quality.as_ref()?.metrics();
+    if metrics.overlaps() == 0 {
+        return None;
+    }
+    let places = count(metrics.overlaps(), "place", "places");
+    let example = metrics.overlapping_faces.first().map(|[a, b]| format!(", for example triangles {a} and {b}"));
+    let counted = if example.is_some() { " (counted from 0)" } else { "" };
+    Some(format!("the UVs overlap themselves at {places} of their boundary{}{counted}", example.unwrap_or_default()))
 }
 
 /// How the solver ended, in words.

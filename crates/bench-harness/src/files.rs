@@ -1,35 +1,42 @@
 //! Writing files whole or not at all.
 
+use crate::console;
 use crate::errors::Failure;
-use std::fs;
-use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes a file under a temporary name in the same folder and renames it when it is complete.
+/// Writes a file under a temporary name in the same folder and renames it when it is complete; see
+/// [`abf_mesh::io::replace`].
 ///
 /// # Errors
 /// When the system refuses; what stood under that name before is then still there.
 pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    try_replace(path, bytes).map_err(|error| Failure::unwritable(&path.display().to_string(), &error))
+    let written = abf_mesh::io::replace(path, |out| out.write_all(bytes));
+    written.map_err(|error| unwritable(path, &error))
 }
 
-fn try_replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    match fs::metadata(path) {
-        // A pipe or a device (`/dev/null`) is written to; a rename would put a file in its place.
-        Ok(found) if !found.is_file() => fs::OpenOptions::new().write(true).open(path)?.write_all(bytes),
-        // A link stays one: what it points to is replaced.
-        Ok(_) => rename_into_place(&path.canonicalize()?, bytes),
-        Err(_) => rename_into_place(path, bytes),
+/// Checks before any work is done that files can be written where they are asked for. Says what is wrong
+/// with every one that cannot.
+///
+/// # Errors
+/// The last failure, which is not yet said.
+pub(crate) fn check<'a>(targets: impl IntoIterator<Item = Option<&'a Path>>) -> Result<(), Failure> {
+    let check = |path: &Path| abf_mesh::io::check_replaceable(path).map_err(|error| unwritable(path, &error));
+    let mut failures = targets.into_iter().flatten().filter_map(|path| check(path).err());
+    let Some(mut last) = failures.next() else { return Ok(()) };
+    for failure in failures {
+        console::failure(&std::mem::replace(&mut last, failure));
     }
+    Err(last)
 }
 
-fn rename_into_place(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    abf_mesh::io::replace(path, |out| out.write_all(bytes))
+fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::unwritable(&path.display().to_string(), error)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn a_file_is_replaced_whole_and_nothing_else_is_left() {

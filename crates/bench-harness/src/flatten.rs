@@ -6,7 +6,7 @@ use crate::history::{self, History};
 use crate::load::{Loaded, unusable};
 use crate::record::{Outcome, Record, to_json};
 use crate::run::{self, Flattened};
-use crate::settings::Settings;
+use crate::settings::{JsonTarget, Settings};
 use crate::show::show;
 use crate::source::Source;
 use crate::{console, files, table};
@@ -18,6 +18,11 @@ use std::time::Instant;
 
 /// Flattens every mesh asked for.
 pub(crate) fn flatten(settings: &Settings) -> Outcome {
+    // Nobody should wait for a result that has nowhere to go.
+    if let Err(failure) = files::check(settings.files()) {
+        console::failure(&failure);
+        return Outcome::Failed;
+    }
     let cancel = Cancel::on_ctrl_c();
     let mut runs = Vec::new();
     let by_mesh: Vec<Vec<Record>> = settings
@@ -33,10 +38,18 @@ pub(crate) fn flatten(settings: &Settings) -> Outcome {
         false => table::of_meshes(&by_mesh.concat()),
     };
     let records = by_mesh.concat();
-    let shown = show(&table, || to_json(&records), settings.json.as_ref());
-    let noted = match &settings.history {
-        Some(path) => files::replace(path, history::to_json(&runs).as_bytes()),
-        None => Ok(()),
+    let (shown, noted) = match &settings.history {
+        Some(JsonTarget::Stdout) => {
+            console::words(&table);
+            let json = settings.json.as_ref().and_then(JsonTarget::file);
+            let shown = json.map_or(Ok(()), |path| files::replace(path, to_json(&records).as_bytes()));
+            (shown, console::data(&history::to_json(&runs)))
+        }
+        Some(JsonTarget::File(path)) => {
+            let shown = show(&table, || to_json(&records), settings.json.as_ref());
+            (shown, files::replace(path, history::to_json(&runs).as_bytes()))
+        }
+        None => (show(&table, || to_json(&records), settings.json.as_ref()), Ok(())),
     };
     let worst = records.iter().map(Record::outcome).max().unwrap_or(Outcome::AsAsked);
     [shown, noted].into_iter().filter_map(Result::err).fold(worst, |_, failure| {
@@ -86,6 +99,9 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     };
     if let Some(failure) = &record.error {
         console::failure(failure);
+    }
+    if let Some(overlap) = &record.overlap {
+        console::note(&record.mesh, overlap);
     }
     if let Some(hint) = &record.hint {
         console::hint(&record.mesh, hint);

@@ -9,7 +9,6 @@ use abf::{FlattenError, MetricsError};
 use abf_mesh::io::{ReadError, WriteError};
 use abf_mesh::{DiskError, GeometryError, TopologyError};
 use std::io;
-use std::path::Path;
 
 /// The kind of an error, and what to try next.
 type Hint = (&'static str, &'static str);
@@ -23,7 +22,6 @@ const MERGE: &str =
 pub(crate) fn read(error: &ReadError) -> Hint {
     match error {
         ReadError::Open { cause, .. } => cannot_open(cause),
-        ReadError::UnknownExtension { file, .. } if Path::new(file).is_dir() => ("directory", "name the files in it"),
         ReadError::UnknownExtension { .. } => {
             ("unknown-extension", "convert it to one of these, or rename it if it is one of them")
         }
@@ -60,7 +58,9 @@ pub(crate) fn read(error: &ReadError) -> Hint {
 pub(crate) fn cannot_open(cause: &io::Error) -> Hint {
     match cause.kind() {
         io::ErrorKind::NotFound => ("not-found", "check the name and the folder"),
-        io::ErrorKind::IsADirectory => ("directory", "name the files in it"),
+        io::ErrorKind::IsADirectory => {
+            ("directory", "name the files in it, or compare what is below it: bench-harness compare DIR")
+        }
         io::ErrorKind::PermissionDenied => ("no-permission", "ask for permission to read it"),
         io::ErrorKind::OutOfMemory => ("out-of-memory", "use a smaller mesh or a larger machine"),
         _ => ("cannot-open", "check the name and whether the disk is there"),
@@ -86,6 +86,7 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Layout(LayoutError::NoBoundary) => ("closed", "cut it open along a seam first"),
         FlattenError::Layout(_) => ("no-layout", "try another --layout"),
         FlattenError::LscmLayout(_) => ("setting", "take --layout least-squares or least-squares-weighted"),
+        FlattenError::Certificate(error) => metrics(error),
         FlattenError::Cancelled => ("cancelled", "start it again to have it flattened"),
         _ => ("not-flattened", "try --solver lscm"),
     }

@@ -1,8 +1,10 @@
 //! Files, judged by the UVs they have.
 
+use crate::advice;
 use crate::args::MetricsArgs;
 use crate::console;
 use crate::errors::Failure;
+use crate::files;
 use crate::memory::HeapWatch;
 use crate::record::{Outcome, Quality, Record, Size, Stages, Timings, to_json};
 use crate::settings::JsonTarget;
@@ -14,8 +16,12 @@ use std::time::Instant;
 
 /// Judges every file asked for.
 pub(crate) fn judge_all(args: &MetricsArgs) -> Outcome {
-    let records: Vec<Record> = args.files.iter().map(|file| judge(file)).collect();
     let json = JsonTarget::new(args.json.clone());
+    if let Err(failure) = files::check([json.as_ref().and_then(JsonTarget::file)]) {
+        console::failure(&failure);
+        return Outcome::Failed;
+    }
+    let records: Vec<Record> = args.files.iter().map(|file| judge(file)).collect();
     let worst = records.iter().map(Record::outcome).max().unwrap_or(Outcome::AsAsked);
     match show(&table::of_meshes(&records), || to_json(&records), json.as_ref()) {
         Ok(()) => worst,
@@ -52,6 +58,10 @@ fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
     let uv = file.uv.ok_or_else(|| Failure::no_uv(&record.mesh, file.notes.uv_dropped))?;
     let metrics = abf_metrics::measure(&file.mesh, &uv);
     record.quality = Some(Quality::new(metrics.map_err(|error| Failure::metrics(&record.mesh, &error))?));
+    record.overlap = advice::overlap(record);
+    if let Some(overlap) = &record.overlap {
+        console::note(&record.mesh, overlap);
+    }
     let total = begin.elapsed().as_secs_f64();
     let stages = Stages { topology: built - read, ..Stages::default() };
     let timings = Timings { read, stages, metrics: total - built, total, ..Timings::default() };

@@ -63,6 +63,11 @@ impl<'a> Progress<'a> {
         Stages { topology, solve, layout, flatten: topology + solve + layout }
     }
 
+    /// How long the certificate took, in seconds.
+    pub(crate) fn certificate(&self) -> f64 {
+        self.seconds(Stage::Certificate)
+    }
+
     /// How long a stage took, in seconds; 0 if there was none.
     fn seconds(&self, stage: Stage) -> f64 {
         let Some(k) = self.starts.iter().position(|&(s, _)| s == stage) else { return 0.0 };
@@ -79,6 +84,7 @@ impl Observer for Progress<'_> {
                 self.say(match stage {
                     Stage::Topology => "topology",
                     Stage::Solve => "solving",
+                    Stage::Certificate => "certificate",
                     _ => "layout",
                 });
             }

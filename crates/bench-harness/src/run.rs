@@ -71,10 +71,18 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, with_curves: bool, cance
     }
     let metrics = judging.elapsed().as_secs_f64();
     let total = loaded.read_s + begin.elapsed().as_secs_f64();
-    record.timings_s = Some(Timings { read: loaded.read_s, stages: progress.stages(), metrics, write: 0.0, total });
+    record.timings_s = Some(Timings {
+        read: loaded.read_s,
+        stages: progress.stages(),
+        certificate: progress.certificate(),
+        metrics,
+        write: 0.0,
+        total,
+    });
     record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
     record.kkt = loaded.kkt().filter(|_| finds_angles(method.pipeline.solver));
     record.hint = advice::next_to_try(&record);
+    record.overlap = advice::overlap(&record);
     let iterations = flat.solution.as_ref().map_or(&[][..], AngleSolution::history);
     let history = History::new(&loaded.name, solver, iterations, progress.take_curves());
     Flattened { record, uv: Some(flat.uv), history: Some(history), mesh_is_unusable: false }

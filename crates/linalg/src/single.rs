@@ -92,7 +92,15 @@ impl SymbolicCholesky {
         let mut values = vec![0.0_f32; self.factor_len()];
         let stack = MemStack::new(&mut memory);
         self.symbolic
-            .factorize_numeric_llt(&mut values, lower, Side::Lower, Default::default(), Par::Seq, stack, Default::default())
+            .factorize_numeric_llt(
+                &mut values,
+                lower,
+                Side::Lower,
+                Default::default(),
+                Par::Seq,
+                stack,
+                Default::default(),
+            )
             .map_err(|LltError::NonPositivePivot { index }| LinearError::NotPositiveDefinite { pivot: index, size })?;
         let scale = inverse_roots.into_iter().map(|v| v as f32).collect();
         Ok(SingleCholesky::new(self, parts, values, scale))
@@ -153,7 +161,13 @@ impl SingleCholesky {
                     let mut addition = vec![0.0; top.len()];
                     let mut scratch = Vec::new();
                     for block in &self.blocks[part.blocks.clone()] {
-                        self.forward(block, rows, (x, part.columns.start), (&mut addition, self.top_begin), &mut scratch);
+                        self.forward(
+                            block,
+                            rows,
+                            (x, part.columns.start),
+                            (&mut addition, self.top_begin),
+                            &mut scratch,
+                        );
                     }
                     addition
                 })
@@ -228,9 +242,8 @@ impl SingleCholesky {
             0 => sums.resize(block.below, 0.0),
             1 => sums.extend(below(0).iter().map(|a| a * x[0])),
             2 => sums.extend(below(0).iter().zip(below(1)).map(|(a, b)| a * x[0] + b * x[1])),
-            _ => sums.extend(
-                below(0).iter().zip(below(1)).zip(below(2)).map(|((a, b), c)| a * x[0] + b * x[1] + c * x[2]),
-            ),
+            _ => sums
+                .extend(below(0).iter().zip(below(1)).zip(below(2)).map(|((a, b), c)| a * x[0] + b * x[1] + c * x[2])),
         }
         while j < wide {
             let y = [x[j], x[j + 1], x[j + 2], x[j + 3]];

@@ -60,17 +60,19 @@ fn repeated_points(mesh: &TriMesh, uv: &UvMap) -> Vec<(UvId, UvId)> {
 
 /// Union–find with path halving. The lower index becomes the root, so the result does not depend
 /// on anything but the sets.
-struct DisjointSets {
+pub(crate) struct DisjointSets {
     /// UV ids are made of 32 bits.
     parent: Vec<u32>,
 }
 
 impl DisjointSets {
-    fn new(len: usize) -> Self {
+    /// As many sets as there are elements.
+    pub(crate) fn new(len: usize) -> Self {
         Self { parent: (0..len as u32).collect() }
     }
 
-    fn root(&mut self, mut i: usize) -> usize {
+    /// The lowest element of a set.
+    pub(crate) fn root(&mut self, mut i: usize) -> usize {
         loop {
             let parent = self.parent[i];
             if parent as usize == i {
@@ -82,7 +84,8 @@ impl DisjointSets {
         }
     }
 
-    fn join(&mut self, i: usize, j: usize) {
+    /// Makes one set of two.
+    pub(crate) fn join(&mut self, i: usize, j: usize) {
         let (i, j) = (self.root(i), self.root(j));
         self.parent[i.max(j)] = i.min(j) as u32;
     }

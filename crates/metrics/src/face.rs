@@ -151,6 +151,43 @@ impl<'a> Survey<'a> {
         (0..count.div_ceil(FACES_PER_TASK)).into_par_iter().map(block).collect()
     }
 
+    /// The mesh.
+    pub(crate) fn mesh(&self) -> &'a TriMesh {
+        self.mesh
+    }
+
+    /// Its UVs, as given.
+    pub(crate) fn uv(&self) -> &'a UvMap {
+        self.uv
+    }
+
+    /// The power of two that brings the UVs around 1.
+    pub(crate) fn uv_scale(&self) -> f64 {
+        self.uv_scale
+    }
+
+    /// Whether the chart of a face is mirrored as a whole.
+    pub(crate) fn is_mirrored(&self, face: FaceId) -> bool {
+        self.majority[self.charts.of_face[face.index()]] < 0.0
+    }
+
+    /// How every face lies.
+    pub(crate) fn orientations(&self) -> impl Iterator<Item = Orientation> + '_ {
+        self.areas.iter().enumerate().map(|(f, &(_, signed))| self.orientation(FaceId::new(f), signed))
+    }
+
+    /// Every UV triangle, scaled, with its area without sign.
+    pub(crate) fn flat_triangles(&self) -> impl Iterator<Item = ([Point2<f64>; 3], f64)> + '_ {
+        let areas = self.areas.iter().map(|&(_, signed)| signed.abs());
+        self.uv.triangles().map(|flat| flat.map(|p| p * self.uv_scale)).zip(areas)
+    }
+
+    /// How many faces on the right side have an area within the rounding of their coordinates.
+    pub(crate) fn near_collapsed(&self, orientations: &[Orientation], epsilon: f64) -> usize {
+        let faces = self.flat_triangles().zip(orientations);
+        faces.filter(|((flat, area), o)| **o == Orientation::Kept && is_within_rounding(flat, *area, epsilon)).count()
+    }
+
     fn face(&self, face: FaceId) -> FaceDistortion {
         /// The share of the surface below which a triangle has no shape to compare with.
         const NO_SURFACE: f64 = 1e-14;
@@ -158,7 +195,7 @@ impl<'a> Survey<'a> {
         let flat = self.uv.triangle(face).map(|p| p * self.uv_scale);
         let (area_3d, signed) = self.areas[face.index()];
         let area_uv = signed.abs();
-        let within_rounding = is_within_rounding(&flat, area_uv);
+        let within_rounding = is_within_rounding(&flat, area_uv, f64::EPSILON);
         let [stretch_l2, stretch_linf, quasi_conformal] =
             if within_rounding { [f64::INFINITY; 3] } else { self.stretch(&surface, &flat, area_3d, area_uv) };
         let surface_share = area_3d / self.total_surface;

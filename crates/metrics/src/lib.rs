@@ -9,7 +9,9 @@
 //!
 //! * *Is the map valid?* is a question of signs. The orientation of every UV triangle is the exact
 //!   one of the coordinates as they are stored (Shewchuk's adaptive predicate), never that of a
-//!   rounded area, so "no flip" is a statement about the map and not about a tolerance.
+//!   rounded area, so "no flip" is a statement about the map and not about a tolerance. In the same way
+//!   [`certify`] counts the turns around every vertex and finds where the map lies over itself: its
+//!   [`Certificate`] says whether the map is one to one, locally and as a whole.
 //! * *How good is it?* is a question of sizes: angle errors, stretch, quasi-conformal and area
 //!   distortion. All of them are ratios that no translation, rotation, mirroring or uniform scaling
 //!   of the UVs changes, and all of them are computed after both surfaces have been scaled by
@@ -23,12 +25,18 @@
 //! | x | `uv_angles` | angles of the UV triangle, rad |
 //! | s₁ ≥ s₂ | | singular values of the affine map from the UV triangle to the 3-D triangle |
 
+mod certificate;
 mod charts;
+mod direction;
 mod error;
 mod face;
 mod measure;
+mod overlap;
+mod sheet;
 mod triangle;
+mod winding;
 
+pub use certificate::{Certificate, Precision, certify};
 pub use error::MetricsError;
 pub use face::{FaceDistortion, Orientation, per_face};
-pub use measure::{Metrics, measure};
+pub use measure::{Metrics, measure, measure_certified};

@@ -1,10 +1,12 @@
 //! One map in a few numbers.
 
 use abf_mesh::{FaceId, TriMesh, UvMap};
-use serde::{Serialize, Serializer};
+use serde::Serialize;
+use std::ops::Deref;
 
-use crate::MetricsError;
-use crate::face::{FaceDistortion, Orientation, Survey};
+use crate::certificate::of_survey;
+use crate::face::{FaceDistortion, Survey};
+use crate::{Certificate, MetricsError, Precision};
 
 /// How valid and how distorted a UV map is.
 ///
@@ -20,15 +22,6 @@ pub struct Metrics {
     pub triangles: usize,
     /// How many charts: connected components of the UV points, where a face connects its three.
     pub charts: usize,
-    /// Triangles whose exact orientation is opposite to the area-weighted majority of their chart,
-    /// however small they are. A chart that is mirrored as a whole has none.
-    pub flips: usize,
-    /// Triangles whose three UVs lie on one line, exactly.
-    pub collapsed: usize,
-    /// Triangles on the right side by their exact orientation, but with an area
-    /// `A₂ ≤ 4 ε · max |coordinate| · (|e₁| + |e₂|)` that the rounding of the stored coordinates
-    /// could have made: valid as they are, but not after the next rounding.
-    pub near_collapsed: usize,
     /// Triangles without an area in 3-D, `A₃ ≤ 1e-14 ΣA₃`. They are left out of every distortion
     /// below, but not out of the counts above.
     pub degenerate_3d: usize,
@@ -42,7 +35,7 @@ pub struct Metrics {
     pub max_angle_error: f64,
     /// L² stretch `√(Σ ½(s₁² + s₂²) A₃ / ΣA₃) · √(ΣA₂ / ΣA₃)`, no unit, 1 for an isometry
     /// (Sander et al. 2001). A flipped triangle enters with its singular values; Sander's own rule
-    /// would make it infinite, but here [`flips`](Self::flips) says so.
+    /// would make it infinite, but here [`flips`](Certificate::flips) says so.
     pub stretch_l2: f64,
     /// L∞ stretch `max s₁ · √(ΣA₂ / ΣA₃)`, no unit, 1 for an isometry (Sander et al. 2001).
     pub stretch_linf: f64,
@@ -57,30 +50,34 @@ pub struct Metrics {
     pub uv_area: f64,
     /// ΣA₃, the area of the surface, in mesh units squared.
     pub surface_area: f64,
-    /// The first flipped faces, at most [`LISTED`](Self::LISTED) of them.
-    #[serde(serialize_with = "as_indices")]
-    pub flipped_faces: Vec<FaceId>,
-    /// The first collapsed faces, at most [`LISTED`](Self::LISTED) of them.
-    #[serde(serialize_with = "as_indices")]
-    pub collapsed_faces: Vec<FaceId>,
+    /// What is proved of the map: the counts of flipped and collapsed triangles, of overlaps and so on.
+    #[serde(flatten)]
+    pub certificate: Certificate,
 }
 
 impl Metrics {
-    /// How many offending faces are listed by name.
-    pub const LISTED: usize = 10;
+    /// How many offenders of each kind are listed by name.
+    pub const LISTED: usize = Certificate::LISTED;
 
-    /// Whether no triangle is flipped and none collapsed.
-    ///
-    /// Where charts overlap, or one chart overlaps itself without a flip, is not asked.
+    /// Whether the map is locally one to one: [`Certificate::valid`].
     #[must_use]
     pub fn valid(&self) -> bool {
-        self.flips == 0 && self.collapsed == 0
+        self.certificate.valid()
+    }
+}
+
+/// The counts of the [`Certificate`] by their own names: `metrics.flips`.
+impl Deref for Metrics {
+    type Target = Certificate;
+
+    fn deref(&self) -> &Certificate {
+        &self.certificate
     }
 }
 
 /// Measures a UV map against its mesh.
 ///
-/// Takes time linear in the number of faces and gives the same bits every time. Corners are joined
+/// Takes the time of [`certify`](crate::certify) and gives the same bits every time. Corners are joined
 /// where they share a UV point, and where they are the same vertex at the same place in the plane.
 ///
 /// # Errors
@@ -88,15 +85,26 @@ impl Metrics {
 /// are not finite, a UV map of another mesh. A UV map without any area is a result, not an error.
 pub fn measure(mesh: &TriMesh, uv: &UvMap) -> Result<Metrics, MetricsError> {
     let survey = Survey::new(mesh, uv)?;
+    let certificate = of_survey(&survey, Precision::default());
+    Ok(summed_up(&survey, certificate))
+}
+
+/// The same for a map that has been certified before.
+///
+/// # Errors
+/// As for [`measure`].
+pub fn measure_certified(mesh: &TriMesh, uv: &UvMap, certificate: Certificate) -> Result<Metrics, MetricsError> {
+    Ok(summed_up(&Survey::new(mesh, uv)?, certificate))
+}
+
+fn summed_up(survey: &Survey<'_>, certificate: Certificate) -> Metrics {
     let mut sums = Sums::default();
     survey.by_block(Sums::take).iter().for_each(|block| sums.merge(block));
-    let corners = 3.0 * (mesh.face_count() - sums.degenerate_3d) as f64;
-    Ok(Metrics {
-        triangles: mesh.face_count(),
+    let triangles = survey.mesh().face_count();
+    let corners = 3.0 * (triangles - sums.degenerate_3d) as f64;
+    Metrics {
+        triangles,
         charts: survey.chart_count(),
-        flips: sums.flips,
-        collapsed: sums.collapsed,
-        near_collapsed: sums.near_collapsed,
         degenerate_3d: sums.degenerate_3d,
         f: sums.squared_error / corners,
         f_weighted: sums.squared_relative_error / corners,
@@ -108,19 +116,13 @@ pub fn measure(mesh: &TriMesh, uv: &UvMap) -> Result<Metrics, MetricsError> {
         area_l2: (sums.squared_log_area / sums.surface).sqrt(),
         uv_area: survey.uv_area(),
         surface_area: survey.surface_area(),
-        flipped_faces: sums.flipped_faces,
-        collapsed_faces: sums.collapsed_faces,
-    })
+        certificate,
+    }
 }
 
 /// Running counts, sums and maxima over the faces.
 #[derive(Default)]
 struct Sums {
-    flips: usize,
-    flipped_faces: Vec<FaceId>,
-    collapsed: usize,
-    collapsed_faces: Vec<FaceId>,
-    near_collapsed: usize,
     degenerate_3d: usize,
     squared_error: f64,
     squared_relative_error: f64,
@@ -136,8 +138,7 @@ struct Sums {
 
 impl Sums {
     /// Takes one face in.
-    fn take(&mut self, id: FaceId, face: &FaceDistortion) {
-        self.count(id, face);
+    fn take(&mut self, _: FaceId, face: &FaceDistortion) {
         if face.degenerate_3d {
             self.degenerate_3d += 1;
         } else {
@@ -147,9 +148,6 @@ impl Sums {
 
     /// Takes the sums over later faces in.
     fn merge(&mut self, later: &Self) {
-        merge_noted(&mut self.flips, &mut self.flipped_faces, later.flips, &later.flipped_faces);
-        merge_noted(&mut self.collapsed, &mut self.collapsed_faces, later.collapsed, &later.collapsed_faces);
-        self.near_collapsed += later.near_collapsed;
         self.degenerate_3d += later.degenerate_3d;
         self.squared_error += later.squared_error;
         self.squared_relative_error += later.squared_relative_error;
@@ -160,16 +158,6 @@ impl Sums {
         self.quasi_conformal += later.quasi_conformal;
         self.max_quasi_conformal = self.max_quasi_conformal.max(later.max_quasi_conformal);
         self.squared_log_area += later.squared_log_area;
-    }
-
-    /// Takes note of how a face lies.
-    fn count(&mut self, id: FaceId, face: &FaceDistortion) {
-        match face.orientation {
-            Orientation::Flipped => note(&mut self.flips, &mut self.flipped_faces, id),
-            Orientation::Collapsed => note(&mut self.collapsed, &mut self.collapsed_faces, id),
-            Orientation::Kept if face.within_rounding => self.near_collapsed += 1,
-            Orientation::Kept => {}
-        }
     }
 
     /// Adds the distortion of a judged face.
@@ -189,22 +177,4 @@ impl Sums {
         self.max_quasi_conformal = self.max_quasi_conformal.max(face.quasi_conformal);
         self.squared_log_area += weight * face.area_ratio.ln().powi(2);
     }
-}
-
-/// Counts a face, and lists it while there is room.
-fn note(count: &mut usize, listed: &mut Vec<FaceId>, face: FaceId) {
-    *count += 1;
-    if listed.len() < Metrics::LISTED {
-        listed.push(face);
-    }
-}
-
-/// Adds the count of later faces, and lists them while there is room.
-fn merge_noted(count: &mut usize, listed: &mut Vec<FaceId>, later: usize, later_listed: &[FaceId]) {
-    *count += later;
-    listed.extend(later_listed.iter().take(Metrics::LISTED - listed.len()));
-}
-
-fn as_indices<S: Serializer>(faces: &[FaceId], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(faces.iter().map(|face| face.index()))
 }

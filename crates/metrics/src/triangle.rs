@@ -60,6 +60,16 @@ pub(crate) fn angles<const D: usize>([a, b, c]: &[Point<f64, D>; 3], area: f64) 
     [ab.dot(&-ca), bc.dot(&-ab), ca.dot(&-bc)].map(|dot| (2.0 * area).atan2(dot + 0.0))
 }
 
+/// The cotangents of the three angles of a triangle of this area, `e₁ · e₂ / 2A`, in `[−∞, ∞]`; as for
+/// [`angles`], the angle between edges of which one has no length is 0.
+pub(crate) fn cotangents([a, b, c]: &[Point2<f64>; 3], area: f64) -> [f64; 3] {
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    [ab.dot(&-ca), bc.dot(&-ab), ca.dot(&-bc)].map(|dot| match dot / (2.0 * area) {
+        cot if cot.is_nan() => f64::INFINITY,
+        cot => cot,
+    })
+}
+
 /// The larger singular value of the affine map from a UV triangle of area `uv_area > 0` to a
 /// triangle in space.
 ///
@@ -80,11 +90,15 @@ pub(crate) fn largest_singular_value(surface: &[Point3<f64>; 3], uv: &[Point2<f6
 
 /// Whether a UV triangle has no more area than the rounding of its coordinates can make:
 /// `A₂ ≤ 4 ε · max |coordinate| · (|e₁| + |e₂|)`, with the edges at the first corner.
-pub(crate) fn is_within_rounding(corners: &[Point2<f64>; 3], uv_area: f64) -> bool {
-    const ROUNDING: f64 = 4.0 * f64::EPSILON;
+///
+/// Coordinates that move by δ each change the area by at most `√2 δ (|e₁| + |e₂|) + 4 δ²`, so with
+/// `δ = ε · max |coordinate|` no triangle that this could turn over is missed; the last term matters for
+/// edges of less than 2 δ only, whose area is below the bound anyway.
+pub(crate) fn is_within_rounding(corners: &[Point2<f64>; 3], uv_area: f64, epsilon: f64) -> bool {
+    const ROUNDING: f64 = 4.0;
     let largest = corners.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
     let edges = (corners[1] - corners[0]).norm() + (corners[2] - corners[0]).norm();
-    uv_area <= ROUNDING * largest * edges
+    uv_area <= ROUNDING * epsilon * largest * edges
 }
 
 #[cfg(test)]

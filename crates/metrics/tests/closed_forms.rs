@@ -174,7 +174,10 @@ fn a_face_without_area_in_space_is_left_out_of_the_distortion() {
     assert_near(m.stretch_linf, 1.25_f64.sqrt());
     // A face of three equal points is no different.
     positions[4] = [0.0; 3];
-    assert_eq!(measured(&mesh(&positions, &[[0, 1, 2], [0, 2, 3], [0, 4, 0]]), &uv), m);
+    let pinched = measured(&mesh(&positions, &[[0, 1, 2], [0, 2, 3], [0, 4, 0]]), &uv);
+    // But it is joined to its neighbour no more.
+    assert_eq!((pinched.touches, pinched.injective()), (2, true));
+    assert_eq!(Metrics { certificate: m.certificate.clone(), ..pinched }, m);
 }
 
 #[test]

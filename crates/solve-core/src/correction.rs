@@ -88,7 +88,20 @@ impl LeastCorrection {
         let mut a = Block::zeros(rows);
         vertex_block(rows, &inverse, &mut a);
         let [b, c, d] = [Block::zeros(rows), Block::zeros(rows), Block::zeros(rows)];
-        Ok(Self { lambda, inverse, spokes, order, parts, symbolic, a, b, c, d, vertex_factor: None, wheel_factor: None })
+        Ok(Self {
+            lambda,
+            inverse,
+            spokes,
+            order,
+            parts,
+            symbolic,
+            a,
+            b,
+            c,
+            d,
+            vertex_factor: None,
+            wheel_factor: None,
+        })
     }
 
     /// Writes the correction and the multipliers into `out`. Stops when no linearised constraint is off
@@ -135,9 +148,8 @@ impl LeastCorrection {
     /// Factors of `A` and of the current `D`, where there are none.
     fn factorise(&mut self, rows: &ConstraintRows) -> Result<(), LinearError> {
         let Self { spokes, symbolic, order, parts, .. } = &*self;
-        let factor = |block: &Block| {
-            symbolic.factorise_single(&spokes.symmetric(rows, block, symbolic.pattern(), order), parts)
-        };
+        let factor =
+            |block: &Block| symbolic.factorise_single(&spokes.symmetric(rows, block, symbolic.pattern(), order), parts);
         let (vertex, wheel) = rayon::join(
             || self.vertex_factor.is_none().then(|| factor(&self.a)).transpose(),
             || self.wheel_factor.is_none().then(|| factor(&self.d)).transpose(),
@@ -241,7 +253,15 @@ impl<'a> Solve<'a> {
         let mut goal = [vec![0.0; ni], vec![0.0; ni]];
         right_hand_side(here.rows, &system.given(here), goal.each_mut().map(|v| &mut v[..]));
         let left = goal.clone();
-        Self { system, rows: here.rows, vertices: vec![0.0; ni + 1], wheels: vec![0.0; ni + 1], goal, left, iterations: 0 }
+        Self {
+            system,
+            rows: here.rows,
+            vertices: vec![0.0; ni + 1],
+            wheels: vec![0.0; ni + 1],
+            goal,
+            left,
+            iterations: 0,
+        }
     }
 
     /// Solves until the true residual meets the target; `false` when it will not.
@@ -336,5 +356,13 @@ impl<'a> Solve<'a> {
 
 /// `max |v|`; NaN counts as infinite.
 fn largest(v: &[f64]) -> f64 {
-    v.iter().fold(0.0, |max: f64, x| if x.abs() <= max { max } else if x.is_nan() { f64::INFINITY } else { x.abs() })
+    v.iter().fold(0.0, |max: f64, x| {
+        if x.abs() <= max {
+            max
+        } else if x.is_nan() {
+            f64::INFINITY
+        } else {
+            x.abs()
+        }
+    })
 }

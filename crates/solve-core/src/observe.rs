@@ -13,6 +13,8 @@ pub enum Stage {
     Solve,
     /// From angles to coordinates.
     Layout,
+    /// From coordinates to what is proved of them.
+    Certificate,
 }
 
 /// Something that happened.

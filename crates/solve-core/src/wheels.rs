@@ -153,8 +153,9 @@ fn accumulate<const N: usize>(
 ) {
     let mut tasks = blocks.map(|block| block.tasks(rows));
     let task_count = rows.interior_count().div_ceil(PER_TASK);
-    let tasks: Vec<[Rows<'_>; N]> =
-        (0..task_count).map(|_| tasks.each_mut().map(|rows| rows.next().expect("as many tasks in every block"))).collect();
+    let tasks: Vec<[Rows<'_>; N]> = (0..task_count)
+        .map(|_| tasks.each_mut().map(|rows| rows.next().expect("as many tasks in every block")))
+        .collect();
     tasks.into_par_iter().enumerate().for_each(|(task, mut blocks)| {
         let first = task * PER_TASK;
         let offset = rows.hub_range(first).start;

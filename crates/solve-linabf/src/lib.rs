@@ -239,7 +239,8 @@ impl<'p, 'a> Run<'p, 'a> {
         let (topology, rows) = (self.problem.topology(), self.problem.rows());
         match &mut self.inner {
             Inner::Inexact(inner) => {
-                let here = Linearisation { topology, rows, wheel: &self.wheel, residual: &self.residual, gradient: &[] };
+                let here =
+                    Linearisation { topology, rows, wheel: &self.wheel, residual: &self.residual, gradient: &[] };
                 let report = inner.solve(&here, target, watch, &mut out)?;
                 Ok((report, out.delta))
             }

@@ -10,10 +10,13 @@ use std::path::PathBuf;
 
 const EXIT_CODES: &str = "\
 Exit codes:
-  0  finished as asked, no flipped and no collapsed triangle
-  1  finished, but not converged, or with flipped or collapsed triangles, or cancelled
+  0  finished as asked and valid: no flipped and no collapsed triangle, no vertex wound around twice
+  1  finished, but not converged, or not valid, or cancelled
   2  unusable input or usage, or a file that cannot be written
-Of several meshes or solvers the worst counts.";
+Of several meshes or solvers the worst counts; a reader of stdout that goes away is no error. A map that overlaps itself is said to, and does not change the code.";
+
+/// The names of the commands besides flattening.
+pub(crate) const COMMANDS: [&str; 3] = ["compare", "metrics", "fixtures"];
 
 const COMPARE: &str = "\
 Every file is written anew after every mesh, so that stopping half-way keeps what is done.
@@ -54,7 +57,9 @@ pub(crate) enum Command {
     #[command(after_help = COMPARE)]
     Compare(Box<CompareArgs>),
     /// Judge the UVs that files already have
-    #[command(after_help = "Exit codes:\n  0  all valid\n  1  flipped or collapsed triangles\n  2  unusable input")]
+    #[command(
+        after_help = "Exit codes:\n  0  all valid\n  1  a file that is not valid: flipped or collapsed triangles, vertices wound around twice\n  2  unusable input"
+    )]
     Metrics(MetricsArgs),
     /// Write the fixture meshes, or one shape of any size
     Fixtures(FixturesArgs),
@@ -79,8 +84,8 @@ pub(crate) struct FlattenArgs {
     /// Write the results as JSON; with - to stdout, and the table goes to stderr
     #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
     pub(crate) json: Option<PathBuf>,
-    /// Write every outer and inner iteration as JSON, for plotting
-    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    /// Write every outer and inner iteration as JSON, for plotting; with - to stdout
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
     pub(crate) history: Option<PathBuf>,
     /// Draw the checkered surface next to its layout
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]
@@ -114,11 +119,11 @@ pub(crate) struct CompareArgs {
     /// Write the results as JSON; with - to stdout at the end, and the tables go to stderr
     #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
     pub(crate) json: Option<PathBuf>,
-    /// Write the results as a Markdown table
-    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    /// Write the results as a Markdown table; with - to stdout at the end
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
     pub(crate) markdown: Option<PathBuf>,
-    /// Write the results as comma-separated values
-    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    /// Write the results as comma-separated values; with - to stdout at the end
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
     pub(crate) csv: Option<PathBuf>,
     /// Write a page with pictures, curves and tables: one HTML file that needs nothing else
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]

@@ -13,6 +13,7 @@ mod settings;
 use crate::cancel::Cancel;
 use crate::console;
 use crate::errors::Failure;
+use crate::files;
 use crate::load::{Loaded, unusable};
 use crate::record::Outcome;
 use crate::run::Flattened;
@@ -35,11 +36,12 @@ pub(crate) fn compare(comparison: &Comparison) -> Outcome {
 
 /// Fails where nothing can be compared or written; a mesh that fails is a row.
 fn try_compare(comparison: &Comparison) -> Result<Outcome, Failure> {
+    files::check(comparison.files())?;
     let baseline = comparison.baseline.as_deref().map(Baseline::read).transpose()?;
-    let files = meshes::find(&comparison.meshes)?;
+    let meshes = meshes::find(&comparison.meshes)?;
     let cancel = Cancel::on_ctrl_c();
     let mut outputs = Outputs::new(comparison);
-    for (done, file) in files.iter().enumerate() {
+    for (done, file) in meshes.iter().enumerate() {
         let mut mesh = compare_one(&Source::File(file.clone()), comparison, &cancel);
         // What the user stopped says nothing about the solver.
         mesh.runs.retain(|run| !run.record.is_cancelled());
@@ -50,7 +52,7 @@ fn try_compare(comparison: &Comparison) -> Result<Outcome, Failure> {
             outputs.add(&mesh)?;
         }
         if cancel.is_asked() {
-            console::words(&format!("cancelled: {done} of {} meshes are done\n", files.len()));
+            console::words(&format!("cancelled: {done} of {} meshes are done\n", meshes.len()));
             break;
         }
     }

@@ -6,7 +6,6 @@ use crate::errors::Failure;
 use crate::record::{Record, to_json};
 use crate::settings::JsonTarget;
 use crate::{console, files, table};
-use std::path::Path;
 
 /// Everything that is finished, and where it goes.
 #[derive(Debug)]
@@ -42,31 +41,36 @@ impl<'a> Outputs<'a> {
     /// # Errors
     /// When stdout cannot be written.
     pub(super) fn finish(self) -> Result<Vec<Record>, Failure> {
-        if let Some(JsonTarget::Stdout) = self.comparison.json {
-            console::data(&to_json(&self.records))?;
+        let is_stdout = |target: &Option<JsonTarget>| matches!(target, Some(JsonTarget::Stdout));
+        let (records, asked) = (&self.records, self.comparison);
+        if is_stdout(&asked.json) {
+            console::data(&to_json(records))?;
+        } else if is_stdout(&asked.markdown) {
+            console::data(&table::comparison_markdown(records))?;
+        } else if is_stdout(&asked.csv) {
+            console::data(&table::comparison_csv(records))?;
         }
         Ok(self.records)
     }
 
-    /// On stdout, unless JSON goes there.
+    /// On stdout, unless something for programs goes there.
     fn show(&self, text: &str) -> Result<(), Failure> {
-        match self.comparison.json {
-            Some(JsonTarget::Stdout) => {
-                console::words(text);
-                Ok(())
-            }
-            _ => console::data(text),
+        let asked = self.comparison;
+        if [&asked.json, &asked.markdown, &asked.csv].iter().any(|t| matches!(t, Some(JsonTarget::Stdout))) {
+            console::words(text);
+            return Ok(());
         }
+        console::data(text)
     }
 
     fn write(&self) -> Result<(), Failure> {
-        let write = |path: Option<&Path>, text: fn(&[Record]) -> String| match path {
-            Some(path) => files::replace(path, text(&self.records).as_bytes()),
-            None => Ok(()),
+        let write = |target: &Option<JsonTarget>, text: fn(&[Record]) -> String| match target {
+            Some(JsonTarget::File(path)) => files::replace(path, text(&self.records).as_bytes()),
+            _ => Ok(()),
         };
-        write(self.comparison.json.as_ref().and_then(JsonTarget::file), to_json)?;
-        write(self.comparison.markdown.as_deref(), table::comparison_markdown)?;
-        write(self.comparison.csv.as_deref(), table::comparison_csv)?;
+        write(&self.comparison.json, to_json)?;
+        write(&self.comparison.markdown, table::comparison_markdown)?;
+        write(&self.comparison.csv, table::comparison_csv)?;
         self.report.as_ref().map_or(Ok(()), Report::write)
     }
 }

@@ -2,9 +2,10 @@
 
 use super::repeat::Runs;
 use crate::args::CompareArgs;
-use crate::methods::{Method, methods};
-use crate::settings::{JsonTarget, check_distinct};
-use std::path::PathBuf;
+use crate::methods::{Method, methods, usage};
+use crate::settings::{JsonTarget, check_distinct, check_one_stdout};
+use clap::error::ErrorKind;
+use std::path::{Path, PathBuf};
 
 /// Everything a comparison needs to know.
 #[derive(Debug)]
@@ -20,14 +21,21 @@ pub(crate) struct Comparison {
     /// Where the JSON goes.
     pub(super) json: Option<JsonTarget>,
     /// Where the Markdown goes.
-    pub(super) markdown: Option<PathBuf>,
+    pub(super) markdown: Option<JsonTarget>,
     /// Where the comma-separated values go.
-    pub(super) csv: Option<PathBuf>,
+    pub(super) csv: Option<JsonTarget>,
     /// Where the page goes.
     pub(super) report: Option<PathBuf>,
 }
 
 impl Comparison {
+    /// The files that will be written.
+    pub(super) fn files(&self) -> [Option<&Path>; 4] {
+        let [json, markdown, csv] =
+            [&self.json, &self.markdown, &self.csv].map(|target| target.as_ref().and_then(JsonTarget::file));
+        [json, markdown, csv, self.report.as_deref()]
+    }
+
     /// Checks the arguments.
     ///
     /// # Errors
@@ -35,11 +43,17 @@ impl Comparison {
     /// output.
     pub(crate) fn new(args: CompareArgs) -> Result<Self, clap::Error> {
         let methods = methods(&args.solver, &args.method)?;
-        let json = JsonTarget::new(args.json);
+        let [json, markdown, csv] = [args.json, args.markdown, args.csv].map(JsonTarget::new);
+        let texts = [("--json", json.as_ref()), ("--markdown", markdown.as_ref()), ("--csv", csv.as_ref())];
+        check_one_stdout(&texts)?;
+        if args.report.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+            return Err(usage(ErrorKind::ValueValidation, "--report -: a page needs a file of its own".to_owned()));
+        }
+        let [json_file, markdown_file, csv_file] = texts.map(|(_, target)| target.and_then(JsonTarget::file));
         let targets = [
-            ("--json", json.as_ref().and_then(JsonTarget::file)),
-            ("--markdown", args.markdown.as_deref()),
-            ("--csv", args.csv.as_deref()),
+            ("--json", json_file),
+            ("--markdown", markdown_file),
+            ("--csv", csv_file),
             ("--report", args.report.as_deref()),
         ];
         // A baseline that is replaced row by row would be lost when the comparison is stopped.
@@ -51,8 +65,8 @@ impl Comparison {
             runs: Runs { warmup: args.warmup, repeats: args.repeats, with_curves: args.report.is_some() },
             baseline: args.baseline,
             json,
-            markdown: args.markdown,
-            csv: args.csv,
+            markdown,
+            csv,
             report: args.report,
         })
     }

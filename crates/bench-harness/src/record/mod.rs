@@ -48,6 +48,9 @@ pub(crate) struct Record {
     /// What to try next.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) hint: Option<String>,
+    /// What is said of overlaps; the figures are in the JSON anyway.
+    #[serde(skip)]
+    pub(crate) overlap: Option<String>,
     /// Where the time went.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) timings_s: Option<Timings>,

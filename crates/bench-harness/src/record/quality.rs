@@ -7,8 +7,10 @@ use serde::{Serialize, Serializer};
 /// The figures of [`Metrics`] that the program reports, under the same names.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Quality {
-    /// No flipped and no collapsed triangle.
+    /// No triangle flipped, none collapsed, no vertex wound around.
     pub(crate) valid: bool,
+    /// Valid, and no overlap.
+    pub(crate) injective: bool,
     #[serde(flatten)]
     figures: Figures,
 }
@@ -16,7 +18,7 @@ pub(crate) struct Quality {
 impl Quality {
     /// The judgement of the UVs.
     pub(crate) fn new(metrics: Metrics) -> Self {
-        Self { valid: metrics.valid(), figures: Figures(metrics) }
+        Self { valid: metrics.valid(), injective: metrics.injective(), figures: Figures(metrics) }
     }
 
     /// The figures.
@@ -39,6 +41,12 @@ impl Serialize for Figures {
             ("flips", m.flips),
             ("collapsed", m.collapsed),
             ("near_collapsed", m.near_collapsed),
+            ("wound", m.wound),
+            ("overlaps", m.overlaps()),
+            ("crossings", m.crossings),
+            ("meetings", m.meetings),
+            ("nested", m.nested),
+            ("touches", m.touches),
             ("degenerate_3d", m.degenerate_3d),
             ("charts", m.charts),
         ] {
@@ -55,11 +63,17 @@ impl Serialize for Figures {
             ("area_l2", m.area_l2),
             ("uv_area", m.uv_area),
             ("surface_area", m.surface_area),
+            ("uv_angle_min", m.uv_angle_min),
+            ("uv_angle_max", m.uv_angle_max),
         ] {
             map.serialize_entry(name, &figure)?;
         }
         map.serialize_entry("flipped_faces", &indices(&m.flipped_faces))?;
         map.serialize_entry("collapsed_faces", &indices(&m.collapsed_faces))?;
+        map.serialize_entry("wound_vertices", &m.wound_vertices.iter().map(|v| v.index()).collect::<Vec<_>>())?;
+        let pairs: Vec<[usize; 2]> = m.overlapping_faces.iter().map(|pair| pair.map(FaceId::index)).collect();
+        map.serialize_entry("overlapping_faces", &pairs)?;
+        map.serialize_entry("uv_precision", m.precision.name())?;
         map.end()
     }
 }

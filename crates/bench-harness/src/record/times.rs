@@ -10,6 +10,8 @@ pub(crate) struct Timings {
     /// From the mesh to its UVs; the medians of several runs.
     #[serde(flatten)]
     pub(crate) stages: Stages,
+    /// Proving what the UVs are; part of `metrics` where a file is judged.
+    pub(crate) certificate: f64,
     /// Judging the UVs.
     pub(crate) metrics: f64,
     /// Writing the mesh.

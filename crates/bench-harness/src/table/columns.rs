@@ -51,6 +51,8 @@ pub(crate) const MESHES: &[Column] = &[
     LAYOUT.optional(),
     FLIPS,
     COLLAPSED,
+    WOUND,
+    OVERLAPS,
     F,
     STRETCH_L2,
     STRETCH_LINF,
@@ -59,8 +61,22 @@ pub(crate) const MESHES: &[Column] = &[
 ];
 
 /// One mesh, several solvers.
-pub(crate) const SOLVERS: &[Column] =
-    &[SOLVER, RESULT, OUTER, INNER, RESIDUAL, INNER_RESIDUAL, NEGATIVE, FALLBACKS, FLIPS, F, STRETCH_L2, TIME, MEMORY];
+pub(crate) const SOLVERS: &[Column] = &[
+    SOLVER,
+    RESULT,
+    OUTER,
+    INNER,
+    RESIDUAL,
+    INNER_RESIDUAL,
+    NEGATIVE,
+    FALLBACKS,
+    FLIPS,
+    OVERLAPS,
+    F,
+    STRETCH_L2,
+    TIME,
+    MEMORY,
+];
 
 /// One mesh, several solvers, several runs.
 pub(crate) const REPEATS: &[Column] = &[
@@ -70,6 +86,7 @@ pub(crate) const REPEATS: &[Column] = &[
     INNER,
     RESIDUAL,
     FLIPS,
+    OVERLAPS,
     F,
     STRETCH_L2,
     TIME,
@@ -121,6 +138,8 @@ pub(crate) const COMPARISON: &[Column] = &[
     FALLBACKS,
     FLIPS,
     COLLAPSED,
+    WOUND,
+    OVERLAPS,
     F,
     STRETCH_L2,
     STRETCH_LINF,
@@ -155,6 +174,8 @@ const FALLBACKS: Column = Column::number("fallbacks", "fallbacks", |r| run(r, |r
 const LAYOUT: Column = Column::text("layout", "layout", |r| run(r, |run| Some(Cell::Text(run.layout.to_string()))));
 const FLIPS: Column = Column::number("flips", "flips", |r| metrics(r, |m| Cell::Count(m.flips)));
 const COLLAPSED: Column = Column::number("collapsed", "collapsed", |r| metrics(r, |m| Cell::Count(m.collapsed)));
+const WOUND: Column = Column::number("wound", "wound", |r| metrics(r, |m| Cell::Count(m.wound)));
+const OVERLAPS: Column = Column::number("overlaps", "overlaps", |r| metrics(r, |m| Cell::Count(m.overlaps())));
 const F: Column = Column::number("F/3nt", "f_rad2", |r| metrics(r, |m| Cell::Figure(m.f, DIGITS)));
 const STRETCH_L2: Column =
     Column::number("stretch L2", "stretch_l2", |r| metrics(r, |m| Cell::Figure(m.stretch_l2, DIGITS + 1)));

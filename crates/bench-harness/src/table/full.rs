@@ -22,6 +22,7 @@ pub(crate) fn in_full(record: &Record) -> String {
     }
     if let Some(quality) = &record.quality {
         lines.push(("valid", valid_line(quality)));
+        lines.push(("injective", injective_line(quality.metrics())));
         lines.extend(distortion_lines(quality.metrics()));
     }
     lines.extend(record.kkt.map(|kkt| ("KKT matrix", kkt_line(kkt))));
@@ -158,20 +159,51 @@ fn layout_line(run: &Run) -> String {
 fn valid_line(quality: &Quality) -> String {
     let m = quality.metrics();
     let mut text = if quality.valid {
-        "yes: no flipped and no collapsed triangle".to_owned()
+        "yes: no flipped and no collapsed triangle, no vertex wound around twice".to_owned()
     } else {
-        format!("no: {} flipped, {} collapsed", m.flips, m.collapsed)
+        let wound = if m.wound > 0 { format!(", {} wound around twice", m.wound) } else { String::new() };
+        format!("no: {} flipped, {} collapsed{wound}", m.flips, m.collapsed)
     };
-    let offending = m.flipped_faces.iter().chain(&m.collapsed_faces).take(Metrics::LISTED);
-    let named: Vec<String> = offending.map(|face| face.index().to_string()).collect();
+    let faces: Vec<usize> = m.flipped_faces.iter().chain(&m.collapsed_faces).map(|face| face.index()).collect();
+    let vertices: Vec<usize> = m.wound_vertices.iter().map(|vertex| vertex.index()).collect();
+    let named: Vec<String> =
+        [listed("triangles", &faces, m.flips + m.collapsed), listed("vertices", &vertices, m.wound)]
+            .into_iter()
+            .flatten()
+            .collect();
     if !named.is_empty() {
-        let more = if m.flips + m.collapsed > named.len() { ", …" } else { "" };
-        let _ = write!(text, " (triangles {}{more}, counted from 0)", named.join(", "));
+        let _ = write!(text, " ({}, counted from 0)", named.join("; "));
     }
     if m.near_collapsed > 0 {
         let _ = write!(text, "; {} collapsed but for rounding", m.near_collapsed);
     }
     text
+}
+
+/// The first of some numbers, if there are any.
+fn listed(what: &str, numbers: &[usize], count: usize) -> Option<String> {
+    let shown: Vec<String> = numbers.iter().take(Metrics::LISTED).map(usize::to_string).collect();
+    let more = if count > shown.len() { ", …" } else { "" };
+    (!shown.is_empty()).then(|| format!("{what} {}{more}", shown.join(", ")))
+}
+
+fn injective_line(m: &Metrics) -> String {
+    /// More pairs of faces would not fit into a line.
+    const PAIRS: usize = 3;
+    if m.overlaps() == 0 {
+        let text = if m.valid() { "yes: no overlap" } else { "no: not valid; its boundary does not cross itself" };
+        return text.to_owned();
+    }
+    let kinds = [(m.crossings, "crossings"), (m.meetings, "meetings"), (m.nested, "nested")];
+    let kinds: Vec<String> = kinds.iter().filter(|(n, _)| *n > 0).map(|(n, kind)| format!("{n} {kind}")).collect();
+    let pairs: Vec<String> = m.overlapping_faces.iter().take(PAIRS).map(|[a, b]| format!("{a} over {b}")).collect();
+    let more = if m.overlaps() > pairs.len() { ", …" } else { "" };
+    let named = if pairs.is_empty() {
+        String::new()
+    } else {
+        format!(" (triangles {}{more}, counted from 0)", pairs.join(", "))
+    };
+    format!("no: {} ({}){named}", count(m.overlaps(), "overlap", "overlaps"), kinds.join(", "))
 }
 
 fn distortion_lines(m: &Metrics) -> Vec<(&'static str, String)> {
@@ -199,6 +231,7 @@ fn time_line(t: &Timings) -> String {
         ("topology", t.stages.topology),
         ("solve", t.stages.solve),
         ("layout", t.stages.layout),
+        ("certificate", t.certificate),
         ("metrics", t.metrics),
         ("write", t.write),
     ];

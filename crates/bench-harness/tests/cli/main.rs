@@ -4,6 +4,8 @@ mod compare;
 mod fixtures;
 mod flatten;
 #[cfg(target_os = "linux")]
+mod hostile;
+#[cfg(target_os = "linux")]
 mod interrupt;
 mod metrics;
 mod models;

@@ -5,7 +5,7 @@ use crate::surfaces;
 use serde_json::Value;
 
 /// Everything that judging says about the mesh and its UVs.
-const JUDGED: [&str; 13] = [
+const JUDGED: [&str; 20] = [
     "triangles",
     "vertices",
     "interior_vertices",
@@ -14,6 +14,13 @@ const JUDGED: [&str; 13] = [
     "flips",
     "collapsed",
     "near_collapsed",
+    "wound",
+    "injective",
+    "overlaps",
+    "touches",
+    "uv_angle_min",
+    "uv_angle_max",
+    "uv_precision",
     "f",
     "f_weighted",
     "stretch_l2",
@@ -43,7 +50,9 @@ fn what_was_written_is_judged_as_the_run_judged_it() {
         let judged = run_on("metrics --json -", &[&out]);
         assert_eq!(judged.code, run_code, "{name}");
         let judged = judged.result();
-        for field in JUDGED.iter().chain(&["max_angle_error", "qc_max", "flipped_faces", "collapsed_faces"]) {
+        for field in
+            JUDGED.iter().chain(&["max_angle_error", "qc_max", "flipped_faces", "collapsed_faces", "overlapping_faces"])
+        {
             assert_eq!(judged[field], of_run["results"][0][field], "{name}: {field}");
         }
     }
@@ -80,6 +89,56 @@ fn a_collapsed_triangle_is_found_and_infinity_is_null() {
     let table = run_on("metrics", &[&mesh]).stdout;
     assert!(table.contains("no: 0 flipped, 1 collapsed (triangles 0, counted from 0)"), "{table}");
     assert!(table.contains("stretch      L2 infinite"), "{table}");
+}
+
+#[test]
+fn a_chart_pushed_over_another_by_hand_is_an_overlap_and_still_valid() {
+    let folder = Folder::new();
+    // Two triangles apart, and the second pushed over the first, into it, and around it.
+    let text = |second: &str| {
+        let vertices = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 0 0 9\nv 1 0 9\nv 0 1 9\n";
+        format!("{vertices}vt 0 0\nvt 4 0\nvt 0 4\n{second}f 1/1 2/2 3/3\nf 4/4 5/5 6/6\n")
+    };
+    for (name, second, counts) in [
+        ("apart.obj", "vt 8 0\nvt 9 0\nvt 8 1\n", [0, 0, 0, 0]),
+        ("across.obj", "vt -1 1\nvt 2 1\nvt -1 2\n", [2, 0, 0, 0]),
+        ("into.obj", "vt 1 1\nvt 2 1\nvt 1 2\n", [0, 0, 1, 0]),
+        ("around.obj", "vt -9 -9\nvt 30 -9\nvt -9 30\n", [0, 0, 1, 0]),
+        ("onto.obj", "vt 0 0\nvt 4 0\nvt 0 4\n", [0, 3, 0, 0]),
+        ("beside.obj", "vt 4 0\nvt 4 4\nvt 0 4\n", [0, 0, 0, 2]),
+    ] {
+        let mesh = folder.file(name, text(second));
+        let ran = run_on("metrics --json -", &[&mesh]);
+        let result = ran.result();
+        let found =
+            ["crossings", "meetings", "nested", "touches"].map(|field| result[field].as_u64().expect("a count"));
+        assert_eq!((ran.code, &result["valid"], found), (0, &true.into(), counts), "{name}: {}", ran.stderr);
+        let overlaps = counts[..3].iter().sum::<u64>();
+        assert_eq!((&result["overlaps"], &result["injective"]), (&overlaps.into(), &(overlaps == 0).into()), "{name}");
+        assert_eq!(ran.stderr.contains("triangles 0 and 1 (counted from 0)"), overlaps > 0, "{name}: {}", ran.stderr);
+        let table = run_on("metrics", &[&mesh]).stdout;
+        let said = if overlaps > 0 { "(triangles 0 over 1" } else { "injective    yes: no overlap" };
+        assert!(table.contains(said), "{name}: {table}");
+    }
+}
+
+#[test]
+fn a_vertex_wound_around_twice_by_hand_makes_a_map_that_is_not_valid_without_a_flip() {
+    let folder = Folder::new();
+    let mut text = "v 0 0 0\nvt 0 0\n".to_owned();
+    for k in 0..6 {
+        let (rim, twice) = (f64::from(k) * 60_f64.to_radians(), f64::from(k) * 120_f64.to_radians());
+        text += &format!("v {} {} 0\nvt {} {}\n", rim.cos(), rim.sin(), twice.cos(), twice.sin());
+        let (a, b) = (k + 2, (k + 1) % 6 + 2);
+        text += &format!("f 1/1 {a}/{a} {b}/{b}\n");
+    }
+    let mesh = folder.file("screw.obj", text);
+    let ran = run_on("metrics --json -", &[&mesh]);
+    let result = ran.result();
+    assert_eq!((ran.code, &result["flips"], &result["wound"]), (1, &0.into(), &1.into()));
+    assert_eq!((&result["valid"], &result["wound_vertices"]), (&false.into(), &serde_json::json!([0])));
+    let table = run_on("metrics", &[&mesh]).stdout;
+    assert!(table.contains("no: 0 flipped, 0 collapsed, 1 wound around twice (vertices 0, counted from 0)"), "{table}");
 }
 
 #[test]

@@ -86,7 +86,9 @@ fn files_that_cannot_be_opened_are_named() {
     let directory = folder.path("folder.obj");
     std::fs::create_dir(&directory).expect("a folder");
     assert_eq!(refusal(&directory).0, "directory");
-    assert_eq!(refusal(&folder.path("")).0, "directory");
+    let (kind, message) = refusal(&folder.path(""));
+    assert_eq!(kind, "directory");
+    assert!(message.ends_with(": cannot be read: is a directory"), "{message}");
 }
 
 #[test]
@@ -160,7 +162,7 @@ fn outputs_that_make_no_sense_are_refused_before_any_file_is_read() {
     assert_usage_error(&run_on("--png out.png", &[&mesh, &mesh]), "takes one mesh");
     assert_usage_error(&run_on(&format!("-o {shown}"), &[&mesh]), "would replace the file");
     assert_usage_error(&run_on(&format!("--json {shown}"), &[&mesh]), "would replace the file");
-    assert_usage_error(&run_on("--json a --png a", &[&mesh]), "the same file");
+    assert_usage_error(&run_on("--json a.png --png a.png", &[&mesh]), "the same file");
     assert_usage_error(&run_on("--json a --history a", &[&mesh]), "the same file");
     for option in ["-o out.obj", "--png out.png"] {
         assert_usage_error(&run_on(&format!("--solver all {option}"), &[&mesh]), "takes one solver, and there are 8");
@@ -169,21 +171,41 @@ fn outputs_that_make_no_sense_are_refused_before_any_file_is_read() {
 }
 
 #[test]
-fn an_output_that_cannot_be_written_is_named_and_the_result_is_shown_all_the_same() {
+fn an_output_that_cannot_be_written_is_named_before_anything_is_read() {
     let folder = Folder::new();
-    let mesh = folder.file("pyramid.obj", surfaces::pyramid());
-    for option in ["-o", "--png", "--json"] {
-        let target = folder.path("missing/out.obj");
-        let ran = run([mesh.as_os_str(), option.as_ref(), target.as_os_str()]);
-        assert_eq!(ran.code, 2, "{option}: {}", ran.stderr);
+    for (option, name) in
+        [("-o", "out.obj"), ("--png", "out.png"), ("--svg", "a.svg"), ("--json", "a"), ("--history", "a")]
+    {
+        let target = folder.path("missing").join(name);
+        let ran = run(["missing.obj".as_ref(), option.as_ref(), target.as_os_str()]);
+        assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{option}: {}", ran.stderr);
         assert!(ran.stderr.contains(&format!("error: {}: cannot be written: ", target.display())), "{}", ran.stderr);
         assert!(ran.stderr.contains("hint: make the folder first"), "{}", ran.stderr);
         assert!(!ran.stderr.contains(".abf-"), "nobody asked for a temporary file: {}", ran.stderr);
-        assert!(ran.stdout.contains("yes: no flipped"), "{option}: {}", ran.stdout);
+        assert!(!ran.stderr.contains("missing.obj: cannot be read"), "{}", ran.stderr);
     }
-    let ran = run_on(&format!("--json - -o {}", folder.path("missing/out.obj").display()), &[&mesh]);
-    let result = ran.result();
-    assert_eq!((&result["valid"], &result["error"]["kind"]), (&true.into(), &"unwritable".into()));
+    for option in ["--json", "--csv", "--markdown", "--report"] {
+        let target = folder.path("missing/out");
+        let ran = run(["compare".as_ref(), "missing.obj".as_ref(), option.as_ref(), target.as_os_str()]);
+        assert_eq!(ran.code, 2, "{option}: {}", ran.stderr);
+        assert!(ran.stderr.contains(&format!("error: {}: cannot be written: ", target.display())), "{}", ran.stderr);
+        assert!(!ran.stderr.contains("missing.obj"), "{}", ran.stderr);
+    }
+}
+
+#[test]
+fn pictures_of_another_format_are_refused() {
+    assert_usage_error(&run_on("--png b.jpg", &[Path::new("missing.obj")]), "--png b.jpg: the name must end in .png");
+    assert_usage_error(&run_on("--svg b.pdf", &[Path::new("missing.obj")]), "--svg b.pdf: the name must end in .svg");
+}
+
+#[test]
+fn a_mistyped_command_is_hinted_at() {
+    assert_usage_error(&run(["metric", "a.obj"]), "no command 'metric': did you mean 'metrics'?");
+    assert_usage_error(&run(["a.obj", "comapre"]), "did you mean 'compare'?");
+    assert_usage_error(&run(["frobnicate"]), "the commands are compare, metrics, fixtures");
+    // With an extension or a folder it is a file that is not there.
+    assert_eq!(refusal(Path::new("metric.obj")).0, "not-found");
 }
 
 #[test]

@@ -24,13 +24,14 @@ mod stl;
 mod text;
 mod write;
 
+use std::io::ErrorKind;
 use std::path::Path;
 use std::str::FromStr;
 
 pub use error::{Location, Place, ReadError};
 pub use materials::{Material, MaterialNote, Materials, load_materials};
 pub use notes::{ReadNotes, UvDropped};
-pub use write::{WriteError, replace, write, write_obj, write_ply};
+pub use write::{WriteError, check_replaceable, replace, write, write_obj, write_ply};
 
 use crate::{TriMesh, UvMap};
 
@@ -109,6 +110,9 @@ pub struct MeshFile {
 /// [`ReadError::UnknownExtension`], [`ReadError::Open`], and whatever [`parse`] finds.
 pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
     let file = path.display().to_string();
+    if path.is_dir() {
+        return Err(ReadError::Open { file, cause: ErrorKind::IsADirectory.into() });
+    }
     let Some(format) = MeshFormat::from_path(path) else {
         return Err(ReadError::UnknownExtension { file, known: MeshFormat::known() });
     };

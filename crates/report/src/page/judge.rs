@@ -93,12 +93,21 @@ fn labels(runs: &[Run<'_>]) -> Vec<String> {
 
 /// How a layout lies, in a few words.
 pub(crate) fn validity(metrics: &Metrics) -> String {
-    let parts: Vec<String> = [(metrics.flips, "flipped"), (metrics.collapsed, "collapsed")]
-        .into_iter()
-        .filter(|&(count, _)| count > 0)
-        .map(|(count, word)| format!("{count} {word}"))
-        .collect();
-    if parts.is_empty() { "valid".to_owned() } else { parts.join(", ") }
+    let parts: Vec<String> = [
+        (metrics.flips, "flipped"),
+        (metrics.collapsed, "collapsed"),
+        (metrics.wound, "wound vertices"),
+        (metrics.overlaps(), "overlaps"),
+    ]
+    .into_iter()
+    .filter(|&(count, _)| count > 0)
+    .map(|(count, word)| format!("{count} {word}"))
+    .collect();
+    match (metrics.valid(), parts.is_empty()) {
+        (true, true) => "valid".to_owned(),
+        (true, false) => format!("valid, {}", parts.join(", ")),
+        (false, _) => parts.join(", "),
+    }
 }
 
 /// The figures of a layout in one line.

@@ -1,0 +1,111 @@
+//! What lies around a spot where the boundary meets itself.
+
+use super::outline::{Outline, Segment};
+use crate::direction;
+use crate::sheet::{Fan, Sheet, turn};
+use abf_mesh::{CornerId, FaceId, Point2};
+
+/// A sector at a spot that is covered: by a fan of faces, or by the face beside a segment that passes.
+#[derive(Clone, Copy)]
+enum Cover {
+    Fan(Fan),
+    Face(FaceId),
+}
+
+/// All sectors at one spot.
+pub(super) struct Meeting<'a> {
+    sheet: &'a Sheet,
+    centre: Point2<f64>,
+    /// Where each sector begins and ends, counter-clockwise.
+    sectors: Vec<([Point2<f64>; 2], Cover)>,
+}
+
+impl<'a> Meeting<'a> {
+    /// The sectors at a spot: those of the fans there, and those beside the segments that pass it.
+    pub(super) fn new(sheet: &'a Sheet, outline: &Outline, spot: u32, fans: &[Fan], passing: &[&Segment]) -> Self {
+        let centre = outline.place(spot);
+        let mut sectors = Vec::new();
+        for &fan in fans {
+            let ends = [sheet.place(fan.first.next()), sheet.place(fan.last.prev())];
+            // A fan that begins or ends with an edge without length has no sector; it is collapsed.
+            if !ends.contains(&centre) {
+                sectors.push((ends, Cover::Fan(fan)));
+            }
+        }
+        for segment in passing {
+            let [low, high] = [segment.low, segment.high].map(|end| outline.place(end));
+            for (side, ends) in [(segment.left, [high, low]), (segment.right, [low, high])] {
+                sectors.extend(side.faces.into_iter().flatten().map(|face| (ends, Cover::Face(face))));
+            }
+        }
+        Self { sheet, centre, sectors }
+    }
+
+    /// Two faces that cover the same sector, if any do.
+    pub(super) fn overlap(&self) -> Option<[Option<FaceId>; 2]> {
+        let directions = self.directions();
+        let rank = |p: Point2<f64>| self.find(&directions, p).unwrap_or_default();
+        // How many sectors begin at each direction, less those that end there.
+        let mut change = vec![0_i64; directions.len() + 1];
+        let ranks: Vec<[usize; 2]> = self.sectors.iter().map(|(ends, _)| ends.map(rank)).collect();
+        for &[begin, end] in &ranks {
+            change[begin] += 1;
+            change[end] -= 1;
+            if end <= begin {
+                // Across the positive x axis; a sector that ends where it begins is a full turn.
+                change[0] += 1;
+            }
+        }
+        let crowded = change.iter().scan(0, |cover, change| {
+            *cover += change;
+            Some(*cover)
+        });
+        let at = crowded.take(directions.len()).position(|cover| cover > 1)?;
+        let covers = |&&[begin, end]: &&[usize; 2]| {
+            if begin < end { (begin..end).contains(&at) } else { at >= begin || at < end }
+        };
+        let both = ranks.iter().zip(&self.sectors).filter(|(rank, _)| covers(rank)).map(|(_, (_, cover))| *cover);
+        let mut faces = both.map(|cover| self.face_at(cover, directions[at]));
+        Some([faces.next().flatten(), faces.next().flatten()])
+    }
+
+    /// The directions in which sectors begin or end, each once, counter-clockwise.
+    fn directions(&self) -> Vec<Point2<f64>> {
+        let mut directions = Vec::new();
+        for &p in self.sectors.iter().flat_map(|(ends, _)| ends) {
+            // Sorting would panic if coordinates so close that products underflow broke the order.
+            if let Err(place) = self.find(&directions, p) {
+                directions.insert(place, p);
+            }
+        }
+        directions
+    }
+
+    fn find(&self, directions: &[Point2<f64>], p: Point2<f64>) -> Result<usize, usize> {
+        directions.binary_search_by(|&other| direction::compare(self.centre, other, p))
+    }
+
+    /// The face of a cover that lies just counter-clockwise of a direction.
+    fn face_at(&self, cover: Cover, towards: Point2<f64>) -> Option<FaceId> {
+        let fan = match cover {
+            Cover::Face(face) => return Some(face),
+            Cover::Fan(fan) => fan,
+        };
+        self.sheet.fan_corners(fan).find(|&c| is_towards(self.sheet, c, towards)).map(CornerId::face)
+    }
+}
+
+/// The first face of a fan that winds more than once, and the one that covers it after a full turn.
+pub(super) fn faces_over_each_other(sheet: &Sheet, fan: Fan) -> [Option<FaceId>; 2] {
+    let begin = sheet.place(fan.first.next());
+    let again = sheet.fan_corners(fan).skip(1).find(|&c| is_towards(sheet, c, begin));
+    [Some(fan.first.face()), again.map(CornerId::face)]
+}
+
+/// Whether the face of a corner lies just counter-clockwise of a direction from that corner.
+fn is_towards(sheet: &Sheet, corner: CornerId, towards: Point2<f64>) -> bool {
+    let [centre, begin, end] = [corner, corner.next(), corner.prev()].map(|c| sheet.place(c));
+    let begins = direction::is_upper(centre, begin) == direction::is_upper(centre, towards)
+        && turn(centre, begin, towards) == 0.0;
+    begins || (turn(centre, begin, towards) > 0.0 && turn(centre, towards, end) > 0.0)
+}

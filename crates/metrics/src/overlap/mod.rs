@@ -1,0 +1,293 @@
+//! Where a map covers the plane more than once, found on its boundary alone, exactly.
+//!
+//! Let every triangle be counter-clockwise. Then the number of triangles over a point is the winding number
+//! of the boundary around it, and the map is one to one exactly where that is at most 1. The winding number
+//! changes only across the boundary, so it is at most 1 everywhere if it is so beside the boundary:
+//!
+//! 1. Two boundary edges that cross inside both have two faces over each other at the crossing.
+//! 2. Where the boundary meets itself otherwise, at the end of an edge, the sectors that its faces cover
+//!    around that point are compared: no direction may be in two of them, nor twice in one.
+//! 3. Without crossings, what covers the points beside one connected piece of the boundary, apart from the
+//!    faces that touch it, is the same all along it. It is found at the leftmost point of the piece: left
+//!    of that the piece itself does not wind, so the number of triangles is the winding number of all
+//!    other pieces, and those that touch the point are known.
+//!
+//! Only signs of areas and comparisons of coordinates decide. The boundary edges are found pairwise by a
+//! hierarchy of boxes: `O(b log b)` for b boundary edges that are short against the whole.
+
+mod box_tree;
+mod meeting;
+mod outline;
+
+use crate::charts::DisjointSets;
+use crate::sheet::{Fan, Sheet, turn};
+use abf_mesh::{FaceId, Point2};
+use box_tree::{BoxTree, Extent};
+use meeting::Meeting;
+use outline::{Outline, Segment};
+
+/// Where a map covers the plane more than once.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Overlaps {
+    /// Pairs of boundary segments that cross inside both.
+    pub(crate) crossings: usize,
+    /// Points at ends of edges where the boundary meets itself, or turns around the point more than once,
+    /// and two faces cover one sector.
+    pub(crate) meetings: usize,
+    /// Connected pieces of the boundary whose leftmost point lies under faces that do not touch it.
+    pub(crate) nested: usize,
+    /// Points where the boundary meets itself and no sector is covered twice.
+    pub(crate) touches: usize,
+    /// Pairs of faces that lie over each other, at the first places found.
+    pub(crate) faces: Vec<[FaceId; 2]>,
+}
+
+impl Overlaps {
+    /// Finds them; at most `listed` pairs of faces are named. `fans` are all fans of the sheet, `twice`
+    /// those of them that wind more than once.
+    pub(crate) fn find(sheet: &Sheet, fans: &[Fan], twice: &[Fan], listed: usize) -> Self {
+        let outline = Outline::new(sheet);
+        let mut found = Self::default();
+        let mut pieces = DisjointSets::new(outline.spots.len());
+        outline.segments.iter().for_each(|s| pieces.join(s.low as usize, s.high as usize));
+        let passes = found.cross(&outline, &mut pieces, listed);
+        let fans = fans_at_spots(sheet, &outline, fans);
+        found.meet(sheet, &outline, (&fans, twice), &passes, listed);
+        found.nest(sheet, &outline, &fans, &mut pieces, listed);
+        found
+    }
+
+    /// Finds crossings, and returns where a segment passes a spot that is not its end.
+    fn cross(&mut self, outline: &Outline, pieces: &mut DisjointSets, listed: usize) -> Vec<(u32, u32)> {
+        let mut passes = Vec::new();
+        let mut crossed: Vec<(u32, u32)> = Vec::new();
+        let tree = BoxTree::new((0..outline.segments.len() as u32).collect(), |s| outline.extent(s));
+        tree.pairs(|i, j| {
+            if !outline.extent(i).meets(&outline.extent(j)) {
+                return;
+            }
+            let [a, b] = [i, j].map(|s| outline.segments[s as usize]);
+            let sides = [a.low, a.high].map(|spot| side_of(outline, &b, spot));
+            let other_sides = [b.low, b.high].map(|spot| side_of(outline, &a, spot));
+            if sides[0] * sides[1] < 0 && other_sides[0] * other_sides[1] < 0 {
+                self.crossings += 1;
+                pieces.join(a.low as usize, b.low as usize);
+                if crossed.len() < listed {
+                    crossed.push((i.min(j), i.max(j)));
+                }
+            }
+            let on =
+                [(a.low, sides[0], j), (a.high, sides[1], j), (b.low, other_sides[0], i), (b.high, other_sides[1], i)];
+            for (spot, side, segment) in on {
+                if side == 0 && lies_within(outline, spot, segment) {
+                    passes.push((spot, segment));
+                }
+            }
+        });
+        for (i, j) in crossed {
+            let faces = [i, j].map(|s| outline.segments[s as usize].face());
+            self.name(faces, listed);
+        }
+        passes.sort_unstable();
+        passes.dedup();
+        passes.iter().for_each(|&(spot, s)| pieces.join(spot as usize, outline.segments[s as usize].low as usize));
+        passes
+    }
+
+    /// Looks around every spot where more than one fan or segment is.
+    fn meet(
+        &mut self,
+        sheet: &Sheet,
+        outline: &Outline,
+        (fans, twice): (&[(u32, Fan)], &[Fan]),
+        passes: &[(u32, u32)],
+        listed: usize,
+    ) {
+        let mut over: Vec<Fan> = twice.iter().filter(|fan| !fan.is_closed).copied().collect();
+        over.sort_unstable_by_key(|fan| fan.first);
+        let is_over = |fan: &Fan| over.binary_search_by_key(&fan.first, |fan| fan.first).is_ok();
+        let mut rest = passes;
+        for here in fans.chunk_by(|a, b| a.0 == b.0) {
+            let spot = here[0].0;
+            // Every end of a segment has a fan, so none of the passes is skipped.
+            let (passing, after) = rest.split_at(rest.partition_point(|&(other, _)| other <= spot));
+            rest = after;
+            let fans: Vec<Fan> = here.iter().map(|&(_, fan)| fan).collect();
+            if let Some(&fan) = fans.iter().find(|fan| is_over(fan)) {
+                self.meetings += 1;
+                self.name(meeting::faces_over_each_other(sheet, fan), listed);
+                continue;
+            }
+            if fans.len() == 1 && passing.is_empty() {
+                continue;
+            }
+            let passing: Vec<&Segment> = passing.iter().map(|&(_, s)| &outline.segments[s as usize]).collect();
+            match Meeting::new(sheet, outline, spot, &fans, &passing).overlap() {
+                None => self.touches += 1,
+                Some(faces) => {
+                    self.meetings += 1;
+                    self.name(faces, listed);
+                }
+            }
+        }
+    }
+
+    /// Looks from every piece at the others.
+    fn nest(
+        &mut self,
+        sheet: &Sheet,
+        outline: &Outline,
+        fans: &[(u32, Fan)],
+        pieces: &mut DisjointSets,
+        listed: usize,
+    ) {
+        // The lower index is the root of its set: the lowest leftmost spot of its piece.
+        let mut by_piece: Vec<(u32, u32)> =
+            outline.segments.iter().zip(0..).map(|(s, k)| (pieces.root(s.low as usize) as u32, k)).collect();
+        by_piece.sort_unstable();
+        let pieces: Vec<Piece> = by_piece.chunk_by(|a, b| a.0 == b.0).map(|part| Piece::new(outline, part)).collect();
+        if pieces.len() < 2 {
+            return;
+        }
+        let around = BoxTree::new((0..pieces.len() as u32).collect(), |k| pieces[k as usize].extent);
+        let mut trees: Vec<Option<BoxTree>> = pieces.iter().map(|_| None).collect();
+        let mut inside: Vec<u32> = Vec::new();
+        for piece in &pieces {
+            let place = outline.place(piece.root);
+            let mut winding = 0;
+            around.visit(
+                |extent| extent.holds(place),
+                |k| {
+                    let other = &pieces[k as usize];
+                    if other.root != piece.root && other.extent.holds(place) {
+                        let tree = trees[k as usize].get_or_insert_with(|| other.tree(outline));
+                        winding += winding_around(outline, tree, place);
+                    }
+                },
+            );
+            if winding > faces_left_of(sheet, outline, fans, piece.root) {
+                self.nested += 1;
+                if self.faces.len() + inside.len() < listed {
+                    inside.push(piece.segments[0]);
+                }
+            }
+        }
+        for pair in faces_over(sheet, outline, &inside) {
+            self.name(pair, listed);
+        }
+    }
+
+    fn name(&mut self, faces: [Option<FaceId>; 2], listed: usize) {
+        if let ([Some(a), Some(b)], true) = (faces, self.faces.len() < listed) {
+            self.faces.push([a.min(b), a.max(b)]);
+        }
+    }
+}
+
+/// The fans on the boundary with their spots, ordered by them.
+fn fans_at_spots(sheet: &Sheet, outline: &Outline, fans: &[Fan]) -> Vec<(u32, Fan)> {
+    let open = fans.iter().filter(|fan| !fan.is_closed);
+    let mut at_spots: Vec<(u32, Fan)> = open.map(|&fan| (outline.spot(sheet, fan.first), fan)).collect();
+    at_spots.sort_by_key(|&(spot, fan)| (spot, fan.first));
+    at_spots
+}
+
+/// How many fans at the first spot of a piece cover the points left of it.
+fn faces_left_of(sheet: &Sheet, outline: &Outline, fans: &[(u32, Fan)], spot: u32) -> i64 {
+    let begin = fans.partition_point(|&(other, _)| other < spot);
+    let here = fans[begin..].iter().take_while(|&&(other, _)| other == spot);
+    let centre = outline.place(spot);
+    let is_left = |&&(_, fan): &&(u32, Fan)| {
+        let [first, last] = [sheet.place(fan.first.next()), sheet.place(fan.last.prev())];
+        // Both edges point to the right, or straight up: the fan goes round the left if it turns back.
+        first != centre && last != centre && turn(centre, first, last) <= 0.0
+    };
+    here.filter(is_left).count() as i64
+}
+
+/// A connected piece of the boundary.
+struct Piece {
+    root: u32,
+    extent: Extent,
+    segments: Vec<u32>,
+}
+
+impl Piece {
+    fn new(outline: &Outline, part: &[(u32, u32)]) -> Self {
+        let segments: Vec<u32> = part.iter().map(|&(_, segment)| segment).collect();
+        let extent = segments.iter().map(|&s| outline.extent(s)).reduce(Extent::with).expect("a piece has segments");
+        Self { root: part[0].0, extent, segments }
+    }
+
+    fn tree(&self, outline: &Outline) -> BoxTree {
+        BoxTree::new(self.segments.clone(), |s| outline.extent(s))
+    }
+}
+
+/// On which side of a segment, from low to high, a spot lies: 1 left, −1 right, 0 on its line.
+fn side_of(outline: &Outline, segment: &Segment, spot: u32) -> i8 {
+    if spot == segment.low || spot == segment.high {
+        return 0;
+    }
+    let area = turn(outline.place(segment.low), outline.place(segment.high), outline.place(spot));
+    i8::from(area > 0.0) - i8::from(area < 0.0)
+}
+
+/// Whether a spot on the line of a segment lies between its ends and is neither.
+fn lies_within(outline: &Outline, spot: u32, segment: u32) -> bool {
+    let ends = outline.segments[segment as usize];
+    // Spots are ordered as points of a line are.
+    ends.low < spot && spot < ends.high && outline.extent(segment).holds(outline.place(spot))
+}
+
+/// The winding number of a piece of the boundary around a point that is not on it: the edges that a ray to
+/// the left meets, those with the face on the right side counted positive.
+fn winding_around(outline: &Outline, tree: &BoxTree, place: Point2<f64>) -> i64 {
+    let mut winding = 0;
+    tree.visit(
+        |extent| extent.low.y <= place.y && place.y <= extent.high.y && extent.low.x <= place.x,
+        |s| {
+            let segment = &outline.segments[s as usize];
+            let [low, high] = [segment.low, segment.high].map(|spot| outline.place(spot));
+            let is_rising = low.y <= place.y && place.y < high.y;
+            let is_falling = high.y <= place.y && place.y < low.y;
+            let side = if is_rising || is_falling { turn(low, high, place) } else { 0.0 };
+            let net = i64::from(segment.left.count) - i64::from(segment.right.count);
+            // The ray to the left meets a rising segment if the point is right of it, a falling one if it is left.
+            if is_rising && side < 0.0 {
+                winding -= net;
+            } else if is_falling && side > 0.0 {
+                winding += net;
+            }
+        },
+    );
+    winding
+}
+
+/// For each of a few segments that lie under faces elsewhere: one of its faces, and a face over it.
+fn faces_over(sheet: &Sheet, outline: &Outline, segments: &[u32]) -> Vec<[Option<FaceId>; 2]> {
+    let own: Vec<FaceId> = segments.iter().filter_map(|&s| outline.segments[s as usize].face()).collect();
+    let mut over = vec![None; own.len()];
+    if own.is_empty() {
+        return Vec::new();
+    }
+    for f in (0..sheet.corner_count() / 3).map(FaceId::new) {
+        for (own, over) in own.iter().zip(&mut over).filter(|(own, over)| over.is_none() && **own != f) {
+            if triangles_overlap(&sheet.triangle(*own), &sheet.triangle(f)) {
+                *over = Some(f);
+            }
+        }
+    }
+    own.into_iter().zip(over).map(|(own, over)| [Some(own), over]).collect()
+}
+
+/// Whether two counter-clockwise triangles have an inner point in common: no edge of either has the
+/// other triangle on its right.
+fn triangles_overlap(a: &[Point2<f64>; 3], b: &[Point2<f64>; 3]) -> bool {
+    let is_left_of = |from, to, other: &[Point2<f64>; 3]| other.iter().any(|&p| turn(from, to, p) > 0.0);
+    let (one, two) = (Extent::around(a[0], a[1]), Extent::around(b[0], b[1]));
+    let (one, two) = (one.with(Extent::around(a[2], a[2])), two.with(Extent::around(b[2], b[2])));
+    one.meets(&two)
+        && (0..3).all(|k| is_left_of(a[k], a[(k + 1) % 3], b))
+        && (0..3).all(|k| is_left_of(b[k], b[(k + 1) % 3], a))
+}

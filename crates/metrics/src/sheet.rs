@@ -1,0 +1,199 @@
+//! A UV map as oriented triangles that are joined where they share an edge in the plane.
+//!
+//! Faces of a mirrored chart are turned around, so that every triangle on the right side runs
+//! counter-clockwise. Two faces are joined along an edge of the mesh when they run along it in opposite
+//! directions and agree on the places of both its ends; an edge at which more than two faces agree joins
+//! none of them. What is not joined is boundary, so any set of faces has a boundary, manifold or not.
+
+use abf_mesh::{CornerId, FaceId, Point2, TriMesh, UvId, UvMap, VertexId};
+use robust::{Coord, orient2d};
+
+/// Marks "no corner".
+const NONE: u32 = u32::MAX;
+
+/// The sign of the area of a triangle, exactly: positive counter-clockwise, zero on one line.
+pub(crate) fn turn(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> f64 {
+    let coord = |p: Point2<f64>| Coord { x: p.x, y: p.y };
+    orient2d(coord(a), coord(b), coord(c))
+}
+
+/// The joined triangles.
+pub(crate) struct Sheet {
+    /// The UV points, scaled around 1.
+    places: Vec<Point2<f64>>,
+    /// The UV point of every corner; in turned faces the last two are exchanged.
+    corners: Vec<UvId>,
+    /// The vertex of every corner, in the same order.
+    vertices: Vec<VertexId>,
+    /// The corner that faces the same edge from the other side.
+    opposite: Vec<u32>,
+}
+
+/// The corners around a vertex, joined one to the next counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Fan {
+    /// Its first corner clockwise; any one where it closes.
+    pub(crate) first: CornerId,
+    /// Its last corner.
+    pub(crate) last: CornerId,
+    /// Whether the last is joined to the first.
+    pub(crate) is_closed: bool,
+}
+
+impl Sheet {
+    /// Joins the faces of a map. `scale` is a power of two; `is_turned` says which faces belong to a
+    /// mirrored chart.
+    pub(crate) fn new(mesh: &TriMesh, uv: &UvMap, scale: f64, is_turned: impl Fn(usize) -> bool) -> Self {
+        // Adding zero makes −0 positive, so that equal places have equal bits.
+        let places: Vec<Point2<f64>> = uv.points().iter().map(|p| p.map(|x| x * scale + 0.0)).collect();
+        let mut corners = uv.corners().to_vec();
+        let mut vertices: Vec<VertexId> = mesh.faces().iter().flatten().copied().collect();
+        for f in (0..mesh.face_count()).filter(|&f| is_turned(f)) {
+            corners.swap(3 * f + 1, 3 * f + 2);
+            vertices.swap(3 * f + 1, 3 * f + 2);
+        }
+        let mut sheet = Self { places, corners, vertices, opposite: Vec::new() };
+        sheet.opposite = sheet.join(mesh.vertex_count());
+        sheet
+    }
+
+    /// How many corners there are.
+    pub(crate) fn corner_count(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// The UV point of a corner.
+    pub(crate) fn point(&self, corner: CornerId) -> UvId {
+        self.corners[corner.index()]
+    }
+
+    /// The place of a UV point.
+    pub(crate) fn place_of(&self, point: UvId) -> Point2<f64> {
+        self.places[point.index()]
+    }
+
+    /// How many UV points there are.
+    pub(crate) fn point_count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// The place of a corner.
+    pub(crate) fn place(&self, corner: CornerId) -> Point2<f64> {
+        self.place_of(self.point(corner))
+    }
+
+    /// The vertex of a corner.
+    pub(crate) fn vertex(&self, corner: CornerId) -> VertexId {
+        self.vertices[corner.index()]
+    }
+
+    /// The places of a face, counter-clockwise if it lies on the right side.
+    pub(crate) fn triangle(&self, face: FaceId) -> [Point2<f64>; 3] {
+        face.corners().map(|c| self.place(c))
+    }
+
+    /// The edges with a face on one side only, each named by the corner facing it: it runs from the
+    /// next corner to the previous one, its face on the left.
+    pub(crate) fn boundary(&self) -> impl Iterator<Item = CornerId> + '_ {
+        let is_free = |&c: &usize| self.opposite[c] == NONE;
+        (0..self.corner_count()).filter(is_free).map(CornerId::new)
+    }
+
+    /// The next corner counter-clockwise around the same vertex.
+    pub(crate) fn rotate_ccw(&self, corner: CornerId) -> Option<CornerId> {
+        match self.opposite[corner.next().index()] {
+            NONE => None,
+            other => Some(CornerId::new(other as usize).next()),
+        }
+    }
+
+    /// Every fan once: those on the boundary, then those that close.
+    pub(crate) fn fans(&self) -> impl Iterator<Item = Fan> + '_ {
+        let mut seen = vec![false; self.corner_count()];
+        let open = (0..self.corner_count()).map(|c| (CornerId::new(c), true));
+        let closed = (0..self.corner_count()).map(|c| (CornerId::new(c), false));
+        open.chain(closed).filter_map(move |(first, is_open)| {
+            if seen[first.index()] || (is_open && self.opposite[first.prev().index()] != NONE) {
+                return None;
+            }
+            seen[first.index()] = true;
+            let mut last = first;
+            while let Some(next) = self.rotate_ccw(last).filter(|&next| next != first) {
+                seen[next.index()] = true;
+                last = next;
+            }
+            Some(Fan { first, last, is_closed: !is_open })
+        })
+    }
+
+    /// The corners of a fan, counter-clockwise.
+    pub(crate) fn fan_corners(&self, fan: Fan) -> impl Iterator<Item = CornerId> + '_ {
+        std::iter::successors(Some(fan.first), move |&c| self.rotate_ccw(c).filter(|_| c != fan.last))
+    }
+
+    /// The opposite of every corner: edges are bucketed by their lower vertex and joined inside.
+    fn join(&self, vertex_count: usize) -> Vec<u32> {
+        let ends = |c: CornerId| (self.vertices[c.next().index()], self.vertices[c.prev().index()]);
+        let corners = || (0..self.corner_count()).map(CornerId::new);
+        let mut start = vec![0_u32; vertex_count + 1];
+        for c in corners() {
+            let (from, to) = ends(c);
+            start[from.min(to).index() + 1] += 1;
+        }
+        for v in 0..vertex_count {
+            start[v + 1] += start[v];
+        }
+        let mut cursor = start.clone();
+        let mut edges = vec![(0_u32, 0_u32); self.corner_count()];
+        for c in corners() {
+            let (from, to) = ends(c);
+            let slot = &mut cursor[from.min(to).index()];
+            edges[*slot as usize] = (from.max(to).index() as u32, c.index() as u32);
+            *slot += 1;
+        }
+        let mut opposite = vec![NONE; self.corner_count()];
+        for v in 0..vertex_count {
+            let bucket = &mut edges[start[v] as usize..start[v + 1] as usize];
+            bucket.sort_unstable();
+            for edge in bucket.chunk_by_mut(|a, b| a.0 == b.0) {
+                match *edge {
+                    [_] => {}
+                    [(_, a), (_, b)] => self.join_pair(a, b, &mut opposite),
+                    _ => self.join_crowd(edge, &mut opposite),
+                }
+            }
+        }
+        opposite
+    }
+
+    /// Joins two half-edges between the same vertices, if they fit.
+    fn join_pair(&self, a: u32, b: u32, opposite: &mut [u32]) {
+        let [c, d] = [a, b].map(|c| CornerId::new(c as usize));
+        let agree = |c: CornerId, d: CornerId| {
+            self.vertex(c) == self.vertex(d) && (self.point(c) == self.point(d) || self.place(c) == self.place(d))
+        };
+        // An edge from a vertex to itself has no direction.
+        let has_direction = self.vertex(c.next()) != self.vertex(c.prev());
+        if c.face() != d.face() && has_direction && agree(c.next(), d.prev()) && agree(c.prev(), d.next()) {
+            opposite[c.index()] = b;
+            opposite[d.index()] = a;
+        }
+    }
+
+    /// Joins the half-edges of an edge with more than two faces, where exactly two agree on its places.
+    fn join_crowd(&self, edge: &mut [(u32, u32)], opposite: &mut [u32]) {
+        let key = |&(_, c): &(u32, u32)| {
+            let c = CornerId::new(c as usize);
+            let (from, to) = (c.next(), c.prev());
+            let (low, high) = if self.vertex(from) <= self.vertex(to) { (from, to) } else { (to, from) };
+            let bits = |c: CornerId| [self.place(c).x.to_bits(), self.place(c).y.to_bits()];
+            [bits(low), bits(high)]
+        };
+        edge.sort_unstable_by_key(|half| (key(half), half.1));
+        for same in edge.chunk_by(|a, b| key(a) == key(b)) {
+            if let [(_, a), (_, b)] = *same {
+                self.join_pair(a, b, opposite);
+            }
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! Fans whose triangles wind around their vertex more than once.
+
+use crate::direction;
+use crate::sheet::{Fan, Sheet};
+
+/// Whether the triangles of a fan, all counter-clockwise, wind around its vertex more than once.
+///
+/// A step from one edge of a counter-clockwise triangle to the next turns by less than π, so a full turn
+/// is completed exactly where a step leads from the lower half plane to the upper one: counting those
+/// steps counts turns without any rounding. A fan that closes must turn once; one on the boundary must
+/// not turn further than once, which means that it may come back to its first edge, but not pass it.
+pub(crate) fn winds_twice(sheet: &Sheet, fan: Fan) -> bool {
+    let centre = sheet.place(fan.first);
+    let is_upper = |p| direction::is_upper(centre, p);
+    let completes_turn = |c: &abf_mesh::CornerId| !is_upper(sheet.place(c.next())) && is_upper(sheet.place(c.prev()));
+    let turns = sheet.fan_corners(fan).filter(completes_turn).count();
+    if fan.is_closed || turns != 1 {
+        return turns > 1;
+    }
+    // Once across the positive x axis: a full turn if it ends beyond where it began.
+    let (begin, end) = (sheet.place(fan.first.next()), sheet.place(fan.last.prev()));
+    direction::compare(centre, begin, end).is_lt()
+}
