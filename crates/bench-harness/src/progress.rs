@@ -5,6 +5,7 @@ use crate::cancel::Cancel;
 use crate::history::Curves;
 use crate::record::Stages;
 use abf::{Event, Observer, Stage, Verdict};
+use cpu_time::ProcessTime;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};
 use std::sync::mpsc::{self, Sender};
@@ -24,6 +25,8 @@ pub(crate) struct Progress<'a> {
     starts: Vec<(Stage, Instant)>,
     /// When the last stage ended.
     end: Option<Instant>,
+    /// What the processors did between the beginning of the first stage and the end of the layout.
+    cpu: Cpu,
     /// The inner curves, if they are wanted.
     curves: Option<Curves>,
 }
@@ -32,7 +35,7 @@ impl<'a> Progress<'a> {
     /// Starts watching work of that name.
     pub(crate) fn new(name: &str, cancel: &'a Cancel) -> Self {
         let line = io::stderr().is_terminal().then(|| Line::new(name));
-        Self { cancel, line, starts: Vec::new(), end: None, curves: None }
+        Self { cancel, line, starts: Vec::new(), end: None, cpu: Cpu::default(), curves: None }
     }
 
     /// Collects the curves of inner solves, if `wanted`.
@@ -55,12 +58,13 @@ impl<'a> Progress<'a> {
     /// The last stage is over.
     pub(crate) fn end_stages(&mut self) {
         self.end = Some(Instant::now());
+        self.cpu.stop();
     }
 
     /// How long the stages took.
     pub(crate) fn stages(&self) -> Stages {
         let [topology, solve, layout] = [Stage::Topology, Stage::Solve, Stage::Layout].map(|s| self.seconds(s));
-        Stages { topology, solve, layout, flatten: topology + solve + layout }
+        Stages { topology, solve, layout, flatten: topology + solve + layout, flatten_cpu: self.cpu.seconds }
     }
 
     /// How long the certificate took, in seconds.
@@ -76,10 +80,35 @@ impl<'a> Progress<'a> {
     }
 }
 
+/// Processor time, from the first stage to the one after the layout.
+#[derive(Default)]
+struct Cpu {
+    running: Option<ProcessTime>,
+    seconds: f64,
+}
+
+impl Cpu {
+    fn stage(&mut self, stage: Stage) {
+        match stage {
+            Stage::Topology | Stage::Solve | Stage::Layout => {
+                self.running.get_or_insert_with(ProcessTime::now);
+            }
+            _ => self.stop(),
+        }
+    }
+
+    fn stop(&mut self) {
+        if let Some(begin) = self.running.take() {
+            self.seconds += begin.elapsed().as_secs_f64();
+        }
+    }
+}
+
 impl Observer for Progress<'_> {
     fn observe(&mut self, event: Event<'_>) -> Verdict {
         match event {
             Event::StageStarted(stage) => {
+                self.cpu.stage(stage);
                 self.starts.push((stage, Instant::now()));
                 self.say(match stage {
                     Stage::Topology => "topology",
