@@ -35,6 +35,9 @@ const PROGRESS: f64 = 0.5;
 /// The iteration aims this far below the target: rounding adds the rest.
 const CAUTION: f64 = 0.8;
 
+/// What the vertex rows are off by is left alone below this part of the target.
+const NEGLIGIBLE: f64 = 0.1;
+
 /// Even below its floor a [`FrozenStep`] brings the residual to this part of what it was, and of what the
 /// constraints are off by: otherwise it would be no step at all, and a line search would find no descent.
 const LEAST: f64 = 0.03;
@@ -291,12 +294,15 @@ impl<'a> Solve<'a> {
         let a_inverse = system.vertex_factor.as_ref().expect("factorised");
         let d_inverse = system.wheel_factor.as_ref().expect("factorised");
         let (mut t, mut q, mut z, mut ap) = (vec![0.0; ni], vec![0.0; ni + 1], vec![0.0; ni], vec![0.0; ni]);
-        // Eliminate: the vertex rows are met exactly from here on.
-        a_inverse.apply_in_order(&system.order, &self.left[0], &mut q[..ni]);
-        vector::axpy(1.0, &q, &mut self.vertices);
-        system.spokes.multiply(rows, &system.c, &q, &mut t);
         let mut r = std::mem::take(&mut self.left[1]);
-        vector::axpy(-1.0, &t, &mut r);
+        // Eliminate: the vertex rows are met exactly from here on. They are linear in the angles, so after
+        // the first pass they mostly are already.
+        if largest(&self.left[0]) > NEGLIGIBLE * target {
+            a_inverse.apply_in_order(&system.order, &self.left[0], &mut q[..ni]);
+            vector::axpy(1.0, &q, &mut self.vertices);
+            system.spokes.multiply(rows, &system.c, &q, &mut t);
+            vector::axpy(-1.0, &t, &mut r);
+        }
 
         let begin = largest(&r);
         d_inverse.apply_in_order(&system.order, &r, &mut z);
