@@ -26,21 +26,25 @@
 //!
 //! # The floor of μ
 //!
-//! As μ → 0 the result tends to the optimum of ABF: on ordinary shapes angles are within 1e-7 of it at 1e-9, and within
-//! about μ times their size at the default of 1e-3. On some meshes that optimum is degenerate: its smallest angles are 0.
-//! There the smallest angle is about proportional to μ, and the floor keeps every triangle usable. Measured on the meshes
-//! of `docs/models.md`, the least angle and `F/3nt` of the result:
+//! As μ → 0 the result tends to the optimum of ABF. On some meshes that optimum is degenerate: its smallest angles are 0.
+//! There the smallest angle falls with μ, and a floor keeps every triangle usable. With [`Barrier::smallest_angle`] at 0, on
+//! cow and dino of `docs/models.md`, the smallest angle in rad and `F/3nt`:
 //!
-//! | floor | dino | femur | vh-bunny |
-//! | --- | --- | --- | --- |
-//! | 1e-1 | 4.9e-3, 1.214e-3 | 1.0e-3, 2.932e-2 | 2.3e-4, 1.387e-3 |
-//! | 1e-2 | 6.3e-4, 1.101e-3 | 1.9e-5, 2.905e-2 | 9.7e-5, 1.093e-3 |
-//! | 1e-3 | 6.6e-5, 1.100e-3 | 2.0e-7, 2.957e-2 | 8.6e-6, 1.089e-3 |
-//! | 1e-4 | 6.7e-6, 1.100e-3 | 2.0e-9, – | 8.5e-7, – |
+//! | floor | cow | dino |
+//! | --- | --- | --- |
+//! | 1e-1 | 5.3e-2, 5.422e-3 | 4.9e-3, 1.214e-3 |
+//! | 1e-2 | 5.0e-2, 5.044e-3 | 6.3e-4, 1.101e-3 |
+//! | 1e-3 | 4.9e-2, 5.042e-3 | 6.6e-5, 1.100e-3 |
+//! | 1e-4 | 4.9e-2, 5.042e-3 | 6.7e-6, 1.100e-3 |
+//! | 1e-6 | 4.9e-2, 5.042e-3 | 6.7e-8, 1.100e-3 |
 //!
-//! A dash: angles too small to be laid out. A layout keeps angles a distance from 0; take a larger floor when the smallest
-//! angle of the result is below it. Below a floor of about 1e-6 such angles are smaller than the clamp of the reported
-//! residual, and the result says [`Termination::Stalled`](abf_solve_core::Termination::Stalled).
+//! A layout keeps angles at least 1e-6 from 0, so results with smaller ones close no longer and flip. That is what
+//! [`Barrier::smallest_angle`] is for: with it, a floor of 1e-8 does no harm. A floor of 1e-9 is within 1e-6 rad of the
+//! optimum of ABF where that is not degenerate. Angles below the clamp of the reported residual (1e-9) end a solve as
+//! [`Termination::Stalled`](abf_solve_core::Termination::Stalled).
+//!
+//! What no setting helps against: a drawing whose triangles differ in size by more than doubles can hold has valid angles, and
+//! no valid coordinates.
 
 mod curvature;
 mod direction;
@@ -67,6 +71,9 @@ pub struct Barrier {
     pub barrier_start: f64,
     /// The last `μ`. See the [crate documentation](crate) for what it costs and what it is good for.
     pub barrier_floor: f64,
+    /// `μ` does not fall further once an angle would fall below this with it, rad, that is not about as small in its target;
+    /// 0 lets it. Angles below 1e-6 rad do not survive a layout in doubles.
+    pub smallest_angle: f64,
     /// By what `μ` is multiplied at least, in (0, 1).
     pub barrier_reduction: f64,
     /// Converged means, besides the [`StopCriteria`], that at the floor `max |r dL/dr|` and `max |z r − μ|` are at most this,
@@ -82,6 +89,7 @@ impl Default for Barrier {
             hessian: Hessian::Exact,
             barrier_start: 0.1,
             barrier_floor: 1e-3,
+            smallest_angle: 1e-5,
             barrier_reduction: 0.1,
             optimality_tolerance: 1e-6,
             fraction: 0.99,
@@ -129,6 +137,9 @@ impl Barrier {
         if self.barrier_floor > self.barrier_start {
             return fault("barrier_floor", "at most barrier_start", self.barrier_floor);
         }
+        if !(self.smallest_angle >= 0.0 && self.smallest_angle.is_finite()) {
+            return fault("smallest_angle", "at least 0 and finite", self.smallest_angle);
+        }
         for (name, value) in [("barrier_reduction", self.barrier_reduction), ("fraction", self.fraction)] {
             if !(value > 0.0 && value < 1.0) {
                 return fault(name, "in (0, 1)", value);
@@ -166,6 +177,7 @@ mod tests {
             (Barrier { barrier_start: f64::NAN, ..fine }, "barrier_start must be positive and finite, got NaN"),
             (Barrier { barrier_floor: 2.0, ..fine }, "barrier_floor must be at most barrier_start, got 2"),
             (Barrier { barrier_reduction: 1.0, ..fine }, "barrier_reduction must be in (0, 1), got 1"),
+            (Barrier { smallest_angle: -0.5, ..fine }, "smallest_angle must be at least 0 and finite, got -0.5"),
             (Barrier { fraction: 1.5, ..fine }, "fraction must be in (0, 1), got 1.5"),
             (
                 Barrier { optimality_tolerance: -1.0, ..fine },

@@ -49,6 +49,8 @@ pub(crate) struct Run<'p, 'a> {
     multipliers: Vec<f64>,
     bounds: BoundMultipliers,
     barrier: f64,
+    /// The last μ: that of the settings, or where angles would vanish below it.
+    floor: f64,
     filter: Filter,
     first_violation: f64,
     /// The angles with the smallest residual.
@@ -87,6 +89,7 @@ impl<'p, 'a> Run<'p, 'a> {
             multipliers: vec![0.0; problem.rows().len()],
             bounds: BoundMultipliers::centred(&place.angles, barrier),
             barrier,
+            floor: settings.barrier_floor,
             filter: Filter::new(TOO_LARGE * place.violation.max(1.0)),
             first_violation: place.violation,
             best: place.angles.clone(),
@@ -170,7 +173,7 @@ impl<'p, 'a> Run<'p, 'a> {
         let last = self.history.last()?;
         let made = self.history.len();
         let is_last = last.step <= stop.step_tolerance && last.step_length == 1.0 && last.fallback.is_none();
-        if self.barrier <= self.settings.barrier_floor && is_last {
+        if self.barrier <= self.floor && is_last {
             let errors = self.errors();
             let is_optimal = errors.dual.max(errors.complementarity) <= self.settings.optimality_tolerance;
             if is_optimal && errors.primal <= stop.tolerance {
@@ -200,16 +203,27 @@ impl<'p, 'a> Run<'p, 'a> {
 
     /// Lowers `μ` as long as the place is near the solution for it (Fiacco–McCormick).
     fn lower_barrier(&mut self) {
-        while self.barrier > self.settings.barrier_floor {
+        while self.barrier > self.floor {
             let errors = self.errors();
             if errors.dual.max(errors.complementarity).max(errors.primal) > CENTRED * self.barrier {
                 return;
             }
+            self.floor = self.floor.max((self.barrier / self.room()).min(self.barrier));
             let lower = (self.settings.barrier_reduction * self.barrier).min(self.barrier.powf(SUPERLINEAR));
-            self.barrier = lower.max(self.settings.barrier_floor);
+            self.barrier = lower.max(self.floor);
             // Objectives for another μ cannot be compared with the old ones.
             self.filter = Filter::new(TOO_LARGE * self.first_violation.max(1.0));
         }
+    }
+
+    /// By how much the angle that is the closest to vanishing may still shrink: at a degenerate optimum angles are about
+    /// proportional to μ, or fall faster.
+    fn room(&self) -> f64 {
+        /// An angle has vanished only if it is below this part of its target, too.
+        const SHRUNK: f64 = 0.1;
+        let least = |a: f64| self.settings.smallest_angle.min(SHRUNK * a);
+        let pairs = self.place.angles.iter().zip(self.problem.target());
+        pairs.fold(f64::INFINITY, |room, (x, &a)| room.min(x / least(a)))
     }
 
     /// Steps towards the constraints until the filter accepts the place; `false` if that fails.
@@ -247,6 +261,7 @@ impl<'p, 'a> Run<'p, 'a> {
         self.moved += pushed_inside(&mut angles);
         self.place = Place::new(self.problem, angles);
         self.barrier = self.settings.barrier_start * RECENTRING.powi(self.recentred as i32);
+        self.floor = self.settings.barrier_floor;
         self.filter = Filter::new(TOO_LARGE * self.place.violation.max(1.0));
         self.first_violation = self.place.violation;
         self.forget_multipliers();
@@ -310,7 +325,7 @@ mod tests {
         let stop = StopCriteria::default();
         let mut silent = Silent;
         let mut watch = Watch::start(&stop, &mut silent);
-        let settings = Barrier { barrier_floor: 1e-8, ..Barrier::default() };
+        let settings = Barrier { barrier_floor: 1e-8, smallest_angle: 0.0, ..Barrier::default() };
         let mut run = Run::new(settings, &problem, vec![1e-12; 3 * mesh.face_count()]).expect("fits");
         for _ in 0..steps {
             assert_eq!(run.iterate(&stop, &mut watch), Ok(true));

@@ -1,7 +1,7 @@
 //! The interior point method on whole shapes.
 
 use abf_constraints::{AngleProblem, EstimateSettings};
-use abf_mesh::{Point3, Topology, TriMesh};
+use abf_mesh::{Point3, Topology, TriMesh, VertexId};
 use abf_reconstruct::{LayoutKind, LayoutSettings, layout};
 use abf_shapes::Shape;
 use abf_solve_abf_newton::AbfNewton;
@@ -37,13 +37,13 @@ fn flips(mesh: &TriMesh, angles: &[f64], kind: LayoutKind) -> usize {
 fn towering(shape: Shape, triangles: usize) -> TriMesh {
     let mesh = shape.mesh(triangles);
     let positions = mesh.positions().iter().map(|p| Point3::new(p.x, p.y, 8.0 * p.z)).collect();
-    let faces: Vec<[usize; 3]> = mesh.faces().iter().map(|f| f.map(|v| v.index())).collect();
+    let faces: Vec<[usize; 3]> = mesh.faces().iter().map(|f| f.map(VertexId::index)).collect();
     TriMesh::new(positions, &faces).expect("a mesh")
 }
 
 #[test]
 fn a_vanishing_floor_leads_to_the_optimum_of_abf() {
-    let barrier = Barrier { barrier_floor: 1e-9, ..Barrier::default() };
+    let barrier = Barrier { barrier_floor: 1e-9, smallest_angle: 0.0, ..Barrier::default() };
     for shape in [Shape::BumpySheet, Shape::LetterX, Shape::Hemisphere, Shape::SpikyField, Shape::Obtuse] {
         let mesh = shape.mesh(600);
         let (reference, solution) = (solve(&AbfNewton::fixed_target(), &mesh), solve(&barrier, &mesh));
@@ -75,6 +75,18 @@ fn shapes_whose_angles_leave_by_other_methods_are_laid_out_without_flips() {
             assert_eq!(flips(&mesh, solution.angles(), kind), 0, "{shape} by {kind}");
         }
     }
+}
+
+#[test]
+fn the_barrier_stays_up_where_angles_would_vanish() {
+    let mesh = towering(Shape::SpikyField, 600);
+    let smallest = |smallest_angle: f64| {
+        let solution = solve(&Barrier { barrier_floor: 1e-6, smallest_angle, ..Barrier::default() }, &mesh);
+        (solution.termination(), solution.angles().iter().copied().fold(f64::INFINITY, f64::min))
+    };
+    let (kept, vanishing) = (smallest(1e-3), smallest(0.0));
+    assert_eq!(kept.0, Termination::Converged);
+    assert!(kept.1 > 1e-4 && vanishing.1 < 1e-5, "{kept:?} {vanishing:?}");
 }
 
 #[test]
