@@ -64,8 +64,8 @@ use abf_solve_core::{AngleSolution, AngleSolver, Hessian, Observer, SolveError, 
 /// The interior point method and its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Barrier {
-    /// The second derivatives used: those of the constraints too, made convex triangle by triangle, or `Λ = 2w + z_lo/x +
-    /// z_hi/(π − x)` alone, which needs two to five times as many steps and on some meshes does not arrive.
+    /// The second derivatives used: those of the constraints too, made convex triangle by triangle, or
+    /// `Λ = 2w + z_lo/x + z_hi/(π − x)` alone, which mostly needs up to twice as many steps and now and then does not arrive.
     pub hessian: Hessian,
     /// The first `μ`, no unit: weights are `1/a²`, so 1 is the energy of an angle that is off by all of its target.
     pub barrier_start: f64,
