@@ -23,6 +23,8 @@ pub(crate) struct Progress<'a> {
     line: Option<Line>,
     /// When each stage began.
     starts: Vec<(Stage, Instant)>,
+    /// When each rung of a ladder began.
+    rungs: Vec<Instant>,
     /// When the last stage ended.
     end: Option<Instant>,
     /// What the processors did between the beginning of the first stage and the end of the layout.
@@ -35,7 +37,7 @@ impl<'a> Progress<'a> {
     /// Starts watching work of that name.
     pub(crate) fn new(name: &str, cancel: &'a Cancel) -> Self {
         let line = io::stderr().is_terminal().then(|| Line::new(name));
-        Self { cancel, line, starts: Vec::new(), end: None, cpu: Cpu::default(), curves: None }
+        Self { cancel, line, starts: Vec::new(), rungs: Vec::new(), end: None, cpu: Cpu::default(), curves: None }
     }
 
     /// Collects the curves of inner solves, if `wanted`.
@@ -72,11 +74,21 @@ impl<'a> Progress<'a> {
         self.seconds(Stage::Certificate)
     }
 
-    /// How long a stage took, in seconds; 0 if there was none.
+    /// How long each rung of a ladder took, in seconds.
+    pub(crate) fn rungs(&self) -> Vec<f64> {
+        let ends = self.rungs.iter().skip(1).copied().chain([self.end()]);
+        self.rungs.iter().zip(ends).map(|(start, end)| end.duration_since(*start).as_secs_f64()).collect()
+    }
+
+    /// How long a stage took, in seconds, every time it came; 0 if there was none.
     fn seconds(&self, stage: Stage) -> f64 {
-        let Some(k) = self.starts.iter().position(|&(s, _)| s == stage) else { return 0.0 };
-        let end = self.starts.get(k + 1).map(|&(_, start)| start).or(self.end).unwrap_or_else(Instant::now);
-        end.duration_since(self.starts[k].1).as_secs_f64()
+        let ends = self.starts.iter().skip(1).map(|&(_, start)| start).chain([self.end()]);
+        let of_this = self.starts.iter().zip(ends).filter(|((s, _), _)| *s == stage);
+        of_this.map(|((_, start), end)| end.duration_since(*start).as_secs_f64()).sum()
+    }
+
+    fn end(&self) -> Instant {
+        self.end.unwrap_or_else(Instant::now)
     }
 }
 
@@ -116,6 +128,11 @@ impl Observer for Progress<'_> {
                     Stage::Certificate => "certificate",
                     _ => "layout",
                 });
+            }
+            Event::RungStarted(_) => {
+                self.rungs.push(Instant::now());
+                // The curves are those of the last solver.
+                self.curves = self.curves.take().map(|_| Curves::default());
             }
             Event::Inner { relative_residual, .. } => {
                 if let Some(curves) = &mut self.curves {
