@@ -89,6 +89,23 @@ impl Failure {
         Self::new(("no-baseline", hint), format!("{}: no earlier comparison: {why}", path.display()))
     }
 
+    /// A file that is not what a survey writes.
+    pub(crate) fn no_survey(path: &Path, why: &str) -> Self {
+        let hint = "name a file that survey --json has written, or leave out --resume";
+        Self::new(("no-survey", hint), format!("{}: no earlier survey: {why}", path.display()))
+    }
+
+    /// A survey that was broken off, and would be lost.
+    pub(crate) fn unfinished_survey(log: &Path) -> Self {
+        let hint = "go on with it with --resume, or delete that file to begin anew";
+        Self::new(("unfinished-survey", hint), format!("{}: a survey was broken off here", log.display()))
+    }
+
+    /// A defect of this program.
+    pub(crate) fn panicked(mesh: &str) -> Self {
+        Self::new(("internal", hints::REPORT), format!("{mesh}: the program has failed on this mesh"))
+    }
+
     /// A picture that cannot be drawn.
     pub(crate) fn picture(path: &Path, error: &PictureError) -> Self {
         let hint = "leave out --png or --svg; the mesh and the figures do not depend on it";

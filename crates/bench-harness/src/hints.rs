@@ -14,7 +14,7 @@ use std::io;
 type Hint = (&'static str, &'static str);
 
 const EXPORT_AGAIN: &str = "the file is damaged: export it again, or fetch it again";
-const REPORT: &str = "this should not happen: please report it with the file";
+pub(crate) const REPORT: &str = "this should not happen: please report it with the file";
 const MERGE: &str =
     "delete the extra faces, or split the mesh into its sheets (in Blender: Select > All by Trait > Non Manifold)";
 

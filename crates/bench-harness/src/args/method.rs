@@ -8,7 +8,7 @@ use std::fmt;
 use std::str::FromStr;
 
 /// More threads than any machine this was tried on has cores; some systems die of many more.
-const MOST_THREADS: i64 = 1024;
+pub(super) const MOST_THREADS: i64 = 1024;
 
 /// Every solver at once.
 const ALL: &str = "all";

@@ -13,3 +13,4 @@ mod refusals;
 mod solvers;
 mod support;
 mod surfaces;
+mod survey;
