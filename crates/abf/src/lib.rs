@@ -18,6 +18,7 @@
 //! which layout, when to stop. Core crates print nothing; an [`Observer`] hears what happens and may
 //! cancel.
 
+mod memory;
 mod pipeline;
 mod solver_kind;
 
@@ -36,5 +37,6 @@ pub use abf_solve_core::{
     StopCriteria, Termination, Verdict,
 };
 pub use abf_solve_linabf::Passes;
+pub use memory::predict_memory;
 pub use pipeline::{FlattenError, Flattening, Pipeline, flatten};
 pub use solver_kind::{SolverKind, UnknownSolver};

@@ -1,6 +1,6 @@
 //! From a mesh to UVs: the stages in order.
 
-use crate::{Passes, SolverKind};
+use crate::{Passes, SolverKind, predict_memory};
 use abf_constraints::{AngleProblem, EstimateSettings, ProblemError, WheelForm};
 use abf_mesh::{DiskError, GeometryError, Topology, TopologyError, TriMesh, UvMap};
 use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify, measure_certified};
@@ -44,6 +44,9 @@ pub struct Pipeline {
     pub normalize: bool,
     /// What the UVs will be stored in: they are rounded to it, and certified as that.
     pub precision: Precision,
+    /// Refuse meshes for which [`predict_memory`] says more bytes than this; `None`: no limit but that of the system,
+    /// which may end the program.
+    pub max_memory: Option<u64>,
 }
 
 /// A flattened mesh.
@@ -111,6 +114,23 @@ pub enum FlattenError {
     /// The UVs could not be judged: they do not fit into the precision asked for.
     #[error("the UVs could not be judged")]
     Certificate(#[from] MetricsError),
+    /// It would take more memory than [`Pipeline::max_memory`]; none of it was taken.
+    #[error(
+        "the solver '{solver}' would take about {} for {triangles} triangles, and the limit is {}{}",
+        in_units(*predicted), in_units(*limit), instead(*leaner)
+    )]
+    Memory {
+        /// Which solver.
+        solver: &'static str,
+        /// How many triangles the mesh has.
+        triangles: usize,
+        /// See [`predict_memory`], bytes.
+        predicted: u64,
+        /// What is allowed, bytes.
+        limit: u64,
+        /// A solver that keeps within the limit, and what is predicted for it.
+        leaner: Option<(&'static str, u64)>,
+    },
     /// Cancelled before there was anything to return.
     #[error("cancelled before there was a result")]
     Cancelled,
@@ -140,6 +160,7 @@ impl Pipeline {
     /// [`FlattenError`] when there is no usable result at all.
     pub fn run(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         let layout_settings = self.layout_settings()?;
+        self.check_memory(mesh)?;
         begin(observer, Stage::Topology)?;
         // No faces is the more useful complaint, so topology comes before geometry.
         let topology = Topology::build(mesh.vertex_count(), mesh.faces())?;
@@ -171,6 +192,19 @@ impl Pipeline {
             switched_rings: if solution.is_some() { problem.switched_rings() } else { 0 },
             solution,
         })
+    }
+
+    fn check_memory(&self, mesh: &TriMesh) -> Result<(), FlattenError> {
+        let Some(limit) = self.max_memory else { return Ok(()) };
+        let (triangles, vertices) = (mesh.face_count(), mesh.vertex_count());
+        let predicted = predict_memory(self, triangles, vertices);
+        if predicted <= limit {
+            return Ok(());
+        }
+        let lean = Self { solver: SolverKind::LinAbf, passes: Passes::Auto, ..*self };
+        let leaner = Some((lean.solver.name(), predict_memory(&lean, triangles, vertices)));
+        let leaner = leaner.filter(|&(_, bytes)| bytes <= limit);
+        Err(FlattenError::Memory { solver: self.solver.name(), triangles, predicted, limit, leaner })
     }
 
     fn layout_settings(&self) -> Result<LayoutSettings, FlattenError> {
@@ -243,6 +277,24 @@ fn begin(observer: &mut dyn Observer, stage: Stage) -> Result<(), FlattenError> 
         Verdict::Continue => Ok(()),
         Verdict::Cancel => Err(FlattenError::Cancelled),
     }
+}
+
+/// Bytes in thousands, millions or billions, with no more digits than a prediction has.
+fn in_units(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    let (scale, unit) = if bytes < 1e6 {
+        (1e3, "kB")
+    } else if bytes < 1e9 {
+        (1e6, "MB")
+    } else {
+        (1e9, "GB")
+    };
+    let amount = bytes / scale;
+    if amount < 10.0 { format!("{amount:.1} {unit}") } else { format!("{amount:.0} {unit}") }
+}
+
+fn instead(leaner: Option<(&'static str, u64)>) -> String {
+    leaner.map_or_else(String::new, |(solver, bytes)| format!("; '{solver}' takes about {}", in_units(bytes)))
 }
 
 impl Flattening {

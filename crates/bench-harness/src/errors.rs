@@ -1,6 +1,7 @@
 //! From errors to sentences: what is wrong, where, how many, and what to try next.
 
 use crate::hints;
+use crate::number::megabytes;
 use abf::{FlattenError, MetricsError};
 use abf_mesh::io::{ReadError, UvDropped, WriteError};
 use abf_report::PictureError;
@@ -31,6 +32,14 @@ impl Failure {
     /// A file that cannot be read.
     pub(crate) fn read(error: &ReadError) -> Self {
         Self::new(hints::read(error), chain(error))
+    }
+
+    /// A file that would take more memory than is allowed.
+    pub(crate) fn file_memory(file: &str, predicted: u64, limit: u64) -> Self {
+        let [predicted, limit] =
+            [predicted, limit].map(|bytes| megabytes(usize::try_from(bytes).unwrap_or(usize::MAX)));
+        let message = format!("{file}: to read it would take about {predicted} MB, and the limit is {limit} MB");
+        Self::new(hints::FILE_MEMORY, message)
     }
 
     /// A mesh that cannot be flattened. `fanned` says whether polygons were cut, which is what its

@@ -79,7 +79,7 @@ struct Compared {
 /// All solvers on one mesh, or one result that says why there are none.
 fn compare_one(source: &Source, comparison: &Comparison, cancel: &Cancel) -> Compared {
     let name = source.name();
-    let loaded = match Loaded::read(source, cancel) {
+    let loaded = match Loaded::read(source, comparison.methods[0].pipeline.max_memory, cancel) {
         Ok(loaded) => loaded,
         Err(failure) => {
             let runs = vec![unusable(name.clone(), failure).into()];

@@ -4,6 +4,7 @@
 //! written whole and the log goes. So whatever ends the program leaves what was finished, and `--resume`
 //! takes it from either. What is shown and written is in the order of the meshes, whichever was done first.
 
+mod budget;
 mod log;
 mod row;
 mod settings;
@@ -16,6 +17,8 @@ use crate::record::{Outcome, Record};
 use crate::settings::JsonTarget;
 use crate::source::Source;
 use crate::{console, files, meshes, run};
+use abf::predict_memory;
+use budget::Budget;
 use log::Log;
 pub(crate) use row::Row;
 use row::{Entry, FileState};
@@ -76,6 +79,7 @@ fn work(
     log: &Log,
     cancel: &Cancel,
 ) -> Result<Vec<(usize, Entry)>, Failure> {
+    let budget = Budget::new(survey.method.pipeline.max_memory);
     let (next, failed) = (AtomicUsize::new(0), Mutex::new(None));
     let finished = Mutex::new(Vec::new());
     let job = || {
@@ -85,7 +89,7 @@ fn work(
             }
             // Taken before it is read: who changes it meanwhile has it read again.
             let state = FileState::of(&meshes[k]);
-            let record = flatten(&meshes[k], survey, cancel);
+            let record = flatten(&meshes[k], survey, &budget, cancel);
             if record.is_cancelled() {
                 break;
             }
@@ -114,12 +118,11 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// One mesh. A defect of this program costs that mesh, not the survey.
-fn flatten(path: &Path, survey: &Survey, cancel: &Cancel) -> Record {
+fn flatten(path: &Path, survey: &Survey, budget: &Budget, cancel: &Cancel) -> Record {
     let name = path.display().to_string();
     let source = Source::File(path.to_owned());
-    let flattened = catch_unwind(AssertUnwindSafe(|| match Loaded::read(&source, cancel) {
-        Ok(loaded) => run::flatten(&loaded, &survey.method, false, cancel).record,
-        Err(failure) => unusable(name.clone(), failure),
+    let flattened = catch_unwind(AssertUnwindSafe(|| {
+        within(budget, &source, survey, cancel).unwrap_or_else(|failure| unusable(name.clone(), failure))
     }));
     let mut record = flattened.unwrap_or_else(|_| unusable(name.clone(), Failure::panicked(&name)));
     if survey.jobs > 1 {
@@ -127,4 +130,27 @@ fn flatten(path: &Path, survey: &Survey, cancel: &Cancel) -> Record {
         record.peak_memory_bytes = None;
     }
     record
+}
+
+/// One mesh, in its share of the memory: that of reading first, then what is predicted for its size. A mesh
+/// that has to wait for that is given back meanwhile and read again; to wait with it in hand could be to
+/// wait for each other.
+///
+/// # Errors
+/// What is wrong with the file.
+fn within(budget: &Budget, source: &Source, survey: &Survey, cancel: &Cancel) -> Result<Record, Failure> {
+    let pipeline = &survey.method.pipeline;
+    let (limit, to_read) = (pipeline.max_memory, source.memory_to_read());
+    let mut share = budget.wait_for(to_read);
+    let mut loaded = Loaded::read(source, limit, cancel)?;
+    let predicted = predict_memory(pipeline, loaded.mesh.face_count(), loaded.mesh.vertex_count()).max(to_read);
+    let is_refused = limit.is_some_and(|limit| predicted > limit);
+    if !is_refused && !share.grow_to(predicted) {
+        drop(loaded);
+        drop(share);
+        let _share = budget.wait_for(predicted);
+        loaded = Loaded::read_quietly(source, limit, cancel)?;
+        return Ok(run::flatten(&loaded, &survey.method, false, cancel).record);
+    }
+    Ok(run::flatten(&loaded, &survey.method, false, cancel).record)
 }

@@ -47,9 +47,9 @@ impl Survey {
     }
 
     /// The settings that results depend on, for comparing: two surveys with the same text agree. How many
-    /// threads and jobs there are makes no difference.
+    /// threads and jobs there are makes no difference, and what was refused for want of memory is tried again anyway.
     pub(super) fn settings(&self) -> String {
-        let pipeline: &Pipeline = &self.method.pipeline;
+        let pipeline = Pipeline { max_memory: None, ..self.method.pipeline };
         format!("{} {pipeline:?}", env!("CARGO_PKG_VERSION"))
     }
 

@@ -7,6 +7,7 @@ mod flatten;
 mod hostile;
 #[cfg(target_os = "linux")]
 mod interrupt;
+mod memory;
 mod metrics;
 mod models;
 mod refusals;
