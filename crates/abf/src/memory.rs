@@ -99,3 +99,55 @@ fn growth(pipeline: &Pipeline) -> Growth {
         _ => MOST,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Event, FlattenError, Observer, Verdict};
+    use abf_shapes::Shape;
+
+    #[test]
+    fn larger_meshes_take_more_whatever_the_method_and_no_count_overflows() {
+        for solver in SolverKind::ALL {
+            let pipeline = Pipeline { solver, ..Pipeline::default() };
+            let sizes = [0, 1, 2, 100, 10_000, 1_000_000, usize::MAX];
+            let bytes = sizes.map(|n| predict_memory(&pipeline, n, n / 2));
+            assert!(bytes.is_sorted() && bytes[0] > 0, "{solver}: {bytes:?}");
+            assert!(predict_memory(&pipeline, 100, usize::MAX) > predict_memory(&pipeline, 100, 60));
+        }
+    }
+
+    #[test]
+    fn no_other_solver_of_angles_takes_less_than_linabf() {
+        let bytes = |solver| predict_memory(&Pipeline { solver, ..Pipeline::default() }, 100_000, 50_000);
+        for solver in SolverKind::ALL.into_iter().filter(|&solver| solver != SolverKind::Lscm) {
+            assert!(bytes(solver) >= bytes(SolverKind::LinAbf), "{solver}");
+        }
+    }
+
+    /// An observer that hears nothing, for nothing is begun.
+    struct Deaf;
+
+    impl Observer for Deaf {
+        fn observe(&mut self, event: Event<'_>) -> Verdict {
+            panic!("{event:?}")
+        }
+    }
+
+    #[test]
+    fn a_mesh_over_the_limit_is_refused_before_anything_is_done() {
+        let mesh = Shape::BumpySheet.mesh(2000);
+        let refused = |solver, limit| {
+            let pipeline = Pipeline { solver, max_memory: Some(limit), ..Pipeline::default() };
+            pipeline.run(&mesh, &mut Deaf).unwrap_err()
+        };
+        let (triangles, limit) = (mesh.face_count(), 2_000_000);
+        let error = refused(SolverKind::Uzawa, limit);
+        let FlattenError::Memory { solver: "uzawa", predicted, leaner: Some(("linabf", bytes)), .. } = error else {
+            panic!("{error:?}")
+        };
+        assert!(predicted > limit && bytes <= limit, "{error}");
+        assert!(error.to_string().contains(&format!("for {triangles} triangles, and the limit is 2.0 MB")), "{error}");
+        assert!(matches!(refused(SolverKind::LinAbf, 1000), FlattenError::Memory { leaner: None, .. }));
+    }
+}
