@@ -46,6 +46,23 @@ pub enum FlattenError {
     /// The UVs could not be judged: they do not fit into the precision asked for.
     #[error("the UVs could not be judged")]
     Certificate(#[from] MetricsError),
+    /// It would take more memory than [`Pipeline::max_memory`](crate::Pipeline::max_memory); none of it was taken.
+    #[error(
+        "the solver '{solver}' would take about {} for {triangles} triangles, and the limit is {}{}",
+        in_units(*predicted), in_units(*limit), instead(*leaner)
+    )]
+    Memory {
+        /// Which solver.
+        solver: &'static str,
+        /// How many triangles the mesh has.
+        triangles: usize,
+        /// See [`predict_memory`](crate::predict_memory), bytes.
+        predicted: u64,
+        /// What is allowed, bytes.
+        limit: u64,
+        /// A solver that keeps within the limit, and what is predicted for it.
+        leaner: Option<(&'static str, u64)>,
+    },
     /// Cancelled before there was anything to return.
     #[error("cancelled before there was a result")]
     Cancelled,
@@ -58,4 +75,22 @@ impl From<ProblemError> for FlattenError {
             other => Self::Problem(other),
         }
     }
+}
+
+/// Bytes in thousands, millions or billions, with no more digits than a prediction has.
+fn in_units(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    let (scale, unit) = if bytes < 1e6 {
+        (1e3, "kB")
+    } else if bytes < 1e9 {
+        (1e6, "MB")
+    } else {
+        (1e9, "GB")
+    };
+    let amount = bytes / scale;
+    if amount < 10.0 { format!("{amount:.1} {unit}") } else { format!("{amount:.0} {unit}") }
+}
+
+fn instead(leaner: Option<(&'static str, u64)>) -> String {
+    leaner.map_or_else(String::new, |(solver, bytes)| format!("; '{solver}' takes about {}", in_units(bytes)))
 }

@@ -26,7 +26,7 @@ struct Rung {
 const RUNGS: &[Rung] = &[
     Rung { solver: SolverKind::LinAbf, most_iterations: usize::MAX },
     Rung { solver: SolverKind::AbfFixedTarget, most_iterations: 25 },
-    // An interior point in angle space belongs here, one line like the others.
+    Rung { solver: SolverKind::Barrier, most_iterations: usize::MAX },
     Rung { solver: SolverKind::Descent, most_iterations: usize::MAX },
 ];
 

@@ -22,6 +22,7 @@
 mod error;
 mod flattening;
 mod ladder;
+mod memory;
 mod pipeline;
 mod precision_limits;
 mod solver_kind;
@@ -38,6 +39,7 @@ pub use abf_constraints::{EstimateSettings, KktCounts, WheelForm};
 pub use abf_embed::Descent;
 pub use abf_metrics::{Certificate, Metrics, MetricsError, Precision};
 pub use abf_reconstruct::{LayoutKind, LayoutSettings};
+pub use abf_solve_barrier::Barrier;
 pub use abf_solve_core::{
     AngleSolution, AngleSolver, BoundRule, Event, Fallback, Hessian, InnerTolerance, IterationRecord,
     IterativeSettings, LineSearch, NewtonSettings, Observer, PreconditionerKind, Reduction, Silent, Stage,
@@ -46,6 +48,7 @@ pub use abf_solve_core::{
 pub use abf_solve_linabf::Passes;
 pub use error::FlattenError;
 pub use flattening::{Flattening, LayoutReport, RungReport};
+pub use memory::predict_memory;
 pub use pipeline::{Pipeline, flatten};
 pub use precision_limits::PrecisionLimits;
 pub use solver_kind::{SolverKind, UnknownSolver};

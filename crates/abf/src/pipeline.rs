@@ -1,13 +1,14 @@
 //! Every setting, and the way from a mesh to its UVs.
 
 use crate::task::Task;
-use crate::{FlattenError, Flattening, Passes, SolverKind, ladder};
+use crate::{FlattenError, Flattening, Passes, SolverKind, ladder, predict_memory};
 use abf_constraints::{AngleProblem, EstimateSettings, WheelForm};
 use abf_embed::Descent;
 use abf_mesh::{Topology, TriMesh};
 use abf_metrics::Precision;
 use abf_reconstruct::{LayoutKind, LayoutSettings};
 use abf_solve_abf_newton::AbfNewton;
+use abf_solve_barrier::Barrier;
 use abf_solve_core::{
     AngleSolver, BoundRule, Event, Hessian, InnerTolerance, IterativeSettings, LineSearch, NewtonSettings, Observer,
     Silent, Stage, StopCriteria, Verdict,
@@ -36,6 +37,8 @@ pub struct Pipeline {
     pub inner_tolerance: InnerTolerance,
     /// What Uzawa and MINRES iterate on, and with which preconditioner.
     pub iterative: IterativeSettings,
+    /// The interior point method.
+    pub barrier: Barrier,
     /// The barrier of the descent.
     pub descent: Descent,
     /// How the estimate is made from the angles of the surface.
@@ -50,6 +53,9 @@ pub struct Pipeline {
     pub normalize: bool,
     /// What the UVs will be stored in: they are rounded to it, and certified as that.
     pub precision: Precision,
+    /// Refuse meshes for which [`predict_memory`] says more bytes than this; `None`: no limit but that of the system,
+    /// which may end the program.
+    pub max_memory: Option<u64>,
 }
 
 /// Flattens a disk with the default settings.
@@ -67,6 +73,7 @@ impl Pipeline {
     /// [`FlattenError`] when there is no usable result at all.
     pub fn run(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         self.check_layout()?;
+        self.check_memory(mesh)?;
         begin(observer, Stage::Topology)?;
         // No faces is the more useful complaint, so topology comes before geometry.
         let topology = Topology::build(mesh.vertex_count(), mesh.faces())?;
@@ -77,6 +84,19 @@ impl Pipeline {
             SolverKind::Auto => ladder::climb(&task, observer),
             _ => task.run(observer),
         }
+    }
+
+    fn check_memory(&self, mesh: &TriMesh) -> Result<(), FlattenError> {
+        let Some(limit) = self.max_memory else { return Ok(()) };
+        let (triangles, vertices) = (mesh.face_count(), mesh.vertex_count());
+        let predicted = predict_memory(self, triangles, vertices);
+        if predicted <= limit {
+            return Ok(());
+        }
+        let lean = Self { solver: SolverKind::LinAbf, passes: Passes::Auto, ..*self };
+        let leaner = Some((lean.solver.name(), predict_memory(&lean, triangles, vertices)));
+        let leaner = leaner.filter(|&(_, bytes)| bytes <= limit);
+        Err(FlattenError::Memory { solver: self.solver.name(), triangles, predicted, limit, leaner })
     }
 
     fn check_layout(&self) -> Result<(), FlattenError> {
@@ -94,6 +114,7 @@ impl Pipeline {
         let Some(newton) = self.newton_settings() else {
             return match self.solver {
                 SolverKind::LinAbf => Some(Box::new(LinAbf { passes: self.passes })),
+                SolverKind::Barrier => Some(Box::new(self.barrier)),
                 _ => None,
             };
         };
@@ -109,7 +130,7 @@ impl Pipeline {
     }
 
     /// The point of the grid this pipeline runs: that of its solver, with its own settings where it has
-    /// any. `None` for the solvers that are none: LinABF, the descent, LSCM, and the ladder.
+    /// any. `None` for the solvers that are none: LinABF, the interior point, the descent, LSCM, and the ladder.
     #[must_use]
     pub fn newton_settings(&self) -> Option<NewtonSettings> {
         let named = match self.solver {
@@ -119,7 +140,9 @@ impl Pipeline {
             SolverKind::AbfFixedTarget => AbfNewton::fixed_target().newton,
             SolverKind::Uzawa => Uzawa::default().newton,
             SolverKind::Minres => Minres::default().newton,
-            SolverKind::Auto | SolverKind::LinAbf | SolverKind::Descent | SolverKind::Lscm => return None,
+            SolverKind::Auto | SolverKind::LinAbf | SolverKind::Barrier | SolverKind::Descent | SolverKind::Lscm => {
+                return None;
+            }
         };
         Some(NewtonSettings {
             wheel: self.wheel.unwrap_or(named.wheel),

@@ -24,6 +24,8 @@ pub enum SolverKind {
     Uzawa,
     /// Newton's method solved by MINRES (Zayer, Rössl, Seidel 2004).
     Minres,
+    /// Interior point in angle space: a log barrier at 0 and π, a filter, restoration.
+    Barrier,
     /// Descent over the positions of the vertices, from Tutte's embedding through drawings without flips only: no
     /// layout, the positions are the unknowns.
     Descent,
@@ -34,7 +36,7 @@ pub enum SolverKind {
 
 impl SolverKind {
     /// Every solver, in the order of the documentation.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Auto,
         Self::LinAbf,
         Self::Abf,
@@ -43,6 +45,7 @@ impl SolverKind {
         Self::AbfFixedTarget,
         Self::Uzawa,
         Self::Minres,
+        Self::Barrier,
         Self::Descent,
         Self::Lscm,
     ];
@@ -59,6 +62,7 @@ impl SolverKind {
             Self::AbfFixedTarget => "abf-fixed-target",
             Self::Uzawa => "uzawa",
             Self::Minres => "minres",
+            Self::Barrier => "barrier",
             Self::Descent => "descent",
             Self::Lscm => "lscm",
         }

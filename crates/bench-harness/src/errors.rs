@@ -1,6 +1,7 @@
 //! From errors to sentences: what is wrong, where, how many, and what to try next.
 
 use crate::hints;
+use crate::number::megabytes;
 use abf::{FlattenError, MetricsError};
 use abf_mesh::io::{ReadError, UvDropped, WriteError};
 use abf_report::PictureError;
@@ -31,6 +32,14 @@ impl Failure {
     /// A file that cannot be read.
     pub(crate) fn read(error: &ReadError) -> Self {
         Self::new(hints::read(error), chain(error))
+    }
+
+    /// A file that would take more memory than is allowed.
+    pub(crate) fn file_memory(file: &str, predicted: u64, limit: u64) -> Self {
+        let [predicted, limit] =
+            [predicted, limit].map(|bytes| megabytes(usize::try_from(bytes).unwrap_or(usize::MAX)));
+        let message = format!("{file}: to read it would take about {predicted} MB, and the limit is {limit} MB");
+        Self::new(hints::FILE_MEMORY, message)
     }
 
     /// A mesh that cannot be flattened. `fanned` says whether polygons were cut, which is what its
@@ -87,6 +96,23 @@ impl Failure {
     pub(crate) fn no_baseline(path: &Path, why: &str) -> Self {
         let hint = "name a file that compare --json has written";
         Self::new(("no-baseline", hint), format!("{}: no earlier comparison: {why}", path.display()))
+    }
+
+    /// A file that is not what a survey writes.
+    pub(crate) fn no_survey(path: &Path, why: &str) -> Self {
+        let hint = "name a file that survey --json has written, or leave out --resume";
+        Self::new(("no-survey", hint), format!("{}: no earlier survey: {why}", path.display()))
+    }
+
+    /// A survey that was broken off, and would be lost.
+    pub(crate) fn unfinished_survey(log: &Path) -> Self {
+        let hint = "go on with it with --resume, or delete that file to begin anew";
+        Self::new(("unfinished-survey", hint), format!("{}: a survey was broken off here", log.display()))
+    }
+
+    /// A defect of this program.
+    pub(crate) fn panicked(mesh: &str) -> Self {
+        Self::new(("internal", hints::REPORT), format!("{mesh}: the program has failed on this mesh"))
     }
 
     /// A picture that cannot be drawn.

@@ -60,7 +60,7 @@ pub(crate) fn flatten(settings: &Settings) -> Outcome {
 
 /// Flattens one mesh with every solver asked for. What they have to say stands below their table.
 fn with_all(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Vec<History>) -> Vec<Record> {
-    let loaded = match Loaded::read(source, cancel) {
+    let loaded = match Loaded::read(source, settings.max_memory(), cancel) {
         Ok(loaded) => loaded,
         Err(failure) => {
             console::failure(&failure);
@@ -84,7 +84,7 @@ fn with_all(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
 /// Flattens one mesh with one solver and writes what is asked for. Whatever goes wrong is in the
 /// record and on stderr.
 fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Vec<History>) -> Record {
-    let record = match Loaded::read(source, cancel) {
+    let record = match Loaded::read(source, settings.max_memory(), cancel) {
         Ok(loaded) => {
             let method = &settings.methods[0];
             let Flattened { mut record, uv, history, .. } =

@@ -11,12 +11,19 @@ use abf_mesh::{DiskError, GeometryError, TopologyError};
 use std::io;
 
 /// The kind of an error, and what to try next.
-type Hint = (&'static str, &'static str);
+pub(crate) type Hint = (&'static str, &'static str);
 
 const EXPORT_AGAIN: &str = "the file is damaged: export it again, or fetch it again";
-const REPORT: &str = "this should not happen: please report it with the file";
+pub(crate) const REPORT: &str = "this should not happen: please report it with the file";
 const MERGE: &str =
     "delete the extra faces, or split the mesh into its sheets (in Blender: Select > All by Trait > Non Manifold)";
+
+/// The kind of what would take more memory than is allowed.
+const MEMORY: &str = "memory";
+const MORE_MEMORY: &str = "use a larger --max-memory, a coarser mesh or a larger machine";
+
+/// For files that would take more memory than is allowed.
+pub(crate) const FILE_MEMORY: Hint = (MEMORY, MORE_MEMORY);
 
 /// For files that cannot be read.
 pub(crate) fn read(error: &ReadError) -> Hint {
@@ -87,6 +94,8 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Layout(_) => ("no-layout", "try another --layout"),
         FlattenError::LscmLayout(_) => ("setting", "take --layout least-squares or least-squares-weighted"),
         FlattenError::Certificate(error) => metrics(error),
+        FlattenError::Memory { leaner: Some(_), .. } => (MEMORY, "try that solver, or a larger --max-memory"),
+        FlattenError::Memory { .. } => (MEMORY, MORE_MEMORY),
         FlattenError::Cancelled => ("cancelled", "start it again to have it flattened"),
         _ => ("not-flattened", "try --solver lscm"),
     }

@@ -34,11 +34,25 @@ impl Loaded {
     /// Reads a mesh and says on stderr what is worth knowing about the file.
     ///
     /// # Errors
-    /// What is wrong with the file, or that the user has cancelled.
-    pub(crate) fn read(source: &Source, cancel: &Cancel) -> Result<Self, Failure> {
+    /// What is wrong with the file, that it would take more memory than allowed, or that the user has cancelled.
+    pub(crate) fn read(source: &Source, max_memory: Option<u64>, cancel: &Cancel) -> Result<Self, Failure> {
+        let loaded = Self::read_quietly(source, max_memory, cancel)?;
+        loaded.notes.iter().for_each(|note| console::note(&loaded.name, note));
+        Ok(loaded)
+    }
+
+    /// Reads a mesh, and says nothing.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(crate) fn read_quietly(source: &Source, max_memory: Option<u64>, cancel: &Cancel) -> Result<Self, Failure> {
         let name = source.name();
         if cancel.is_asked() {
             return Err(Failure::cancelled(&name));
+        }
+        let predicted = source.memory_to_read();
+        if let Some(limit) = max_memory.filter(|&limit| predicted > limit) {
+            return Err(Failure::file_memory(&name, predicted, limit));
         }
         let heap = HeapWatch::start();
         let _progress = Progress::new(&name, cancel);
@@ -46,7 +60,6 @@ impl Loaded {
         let file = source.read()?;
         let read_s = begin.elapsed().as_secs_f64();
         let notes = file.notes.sentences();
-        notes.iter().for_each(|note| console::note(&name, note));
         let (mesh, fanned) = (file.mesh, file.notes.polygons_fanned > 0);
         let (bytes, peak_of_reading) = (heap.bytes(), heap.peak_bytes());
         Ok(Self { name, mesh, notes, fanned, read_s, bytes, peak_of_reading, kkt: OnceCell::new() })

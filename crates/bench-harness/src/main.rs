@@ -2,7 +2,8 @@
 //!
 //! What was typed ([`args`]) becomes what was meant ([`settings`], [`methods`]); every mesh and solver
 //! becomes one [`record::Record`] ([`run`], [`judge`]); and the records are shown as a [`table`] and as
-//! JSON, mesh by mesh ([`flatten`]) or repeated and written to files ([`compare`]). Only this crate
+//! JSON, mesh by mesh ([`flatten`]), repeated and written to files ([`compare`]), or counted over many
+//! meshes ([`survey`]). Only this crate
 //! prints and reads the clock.
 
 mod advice;
@@ -19,6 +20,7 @@ mod history;
 mod judge;
 mod load;
 mod memory;
+mod meshes;
 mod methods;
 mod number;
 mod progress;
@@ -27,6 +29,7 @@ mod run;
 mod settings;
 mod show;
 mod source;
+mod survey;
 mod table;
 
 use args::{Args, Command};
@@ -36,6 +39,7 @@ use errors::Failure;
 use record::Outcome;
 use settings::Settings;
 use std::process::ExitCode;
+use survey::Survey;
 
 fn main() -> ExitCode {
     ExitCode::from(run_command().exit_code())
@@ -53,6 +57,7 @@ fn run_command() -> Outcome {
     match args.command {
         None => flatten::flatten(&Settings::new(args.flatten).unwrap_or_else(|error| error.exit())),
         Some(Command::Compare(args)) => compare::compare(&Comparison::new(*args).unwrap_or_else(|error| error.exit())),
+        Some(Command::Survey(args)) => survey::survey(&Survey::new(*args).unwrap_or_else(|error| error.exit())),
         Some(Command::Metrics(args)) => judge::judge_all(&args),
         Some(Command::Fixtures(args)) => fixtures::write(args),
     }

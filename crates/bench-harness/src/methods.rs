@@ -180,6 +180,7 @@ fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
         },
         layout: LayoutSettings { kind: args.layout, ..LayoutSettings::default() },
         normalize: args.normalize,
+        max_memory: args.max_memory.map(|size| size.0),
         ..Pipeline::default()
     })
 }
@@ -202,7 +203,8 @@ enum Refusal {
 fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from).to_vec();
     let triangle = TriMesh::new(points, &[[0, 1, 2]]).expect("indices in range");
-    match pipeline.run(&triangle, &mut abf::Silent) {
+    // How little memory there is says nothing about the settings.
+    match (Pipeline { max_memory: None, ..*pipeline }).run(&triangle, &mut abf::Silent) {
         Ok(_) => Ok(()),
         Err(FlattenError::Solve { source: error @ SolveError::Unsupported(_), .. }) => {
             Err(Refusal::Combination(error.to_string()))

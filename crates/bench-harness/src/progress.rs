@@ -6,8 +6,9 @@ use crate::history::Curves;
 use crate::record::Stages;
 use abf::{Event, Observer, Stage, Verdict};
 use cpu_time::ProcessTime;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};
+use std::sync::LazyLock;
 use std::sync::mpsc::{self, Sender};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -16,6 +17,9 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(1);
 /// How often the line is drawn anew.
 const TICK: Duration = Duration::from_millis(100);
+
+/// The lines of all meshes that are worked on: a survey has several.
+static LINES: LazyLock<MultiProgress> = LazyLock::new(MultiProgress::new);
 
 /// The observer of one mesh.
 pub(crate) struct Progress<'a> {
@@ -169,8 +173,7 @@ impl Line {
         let shown = bar.clone();
         thread::spawn(move || {
             if ended.recv_timeout(PATIENCE) == Err(mpsc::RecvTimeoutError::Timeout) {
-                shown.set_draw_target(ProgressDrawTarget::stderr());
-                shown.enable_steady_tick(TICK);
+                LINES.add(shown).enable_steady_tick(TICK);
             }
         });
         Self { bar, _end: end }

@@ -46,6 +46,8 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, with_curves: bool, cance
     if let Some(not_run) = method.not_run(&loaded.mesh) {
         return Record { not_run: Some(not_run), ..record }.into();
     }
+    let (triangles, vertices) = (loaded.mesh.face_count(), loaded.mesh.vertex_count());
+    record.predicted_memory_bytes = Some(abf::predict_memory(&method.pipeline, triangles, vertices));
     if cancel.is_asked() {
         return Record { error: Some(Failure::cancelled(&loaded.name)), ..record }.into();
     }

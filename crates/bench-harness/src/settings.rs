@@ -95,6 +95,11 @@ impl Settings {
         [self.output.as_deref(), self.png.as_deref(), self.svg.as_deref(), json, history]
     }
 
+    /// How much memory each may take.
+    pub(crate) fn max_memory(&self) -> Option<u64> {
+        self.methods[0].pipeline.max_memory
+    }
+
     /// Whether several solvers are to be compared.
     pub(crate) fn is_comparison(&self) -> bool {
         self.methods.len() > 1

@@ -3,6 +3,7 @@
 use crate::errors::Failure;
 use abf_mesh::io::{MeshFile, ReadNotes, read};
 use abf_shapes::{DEFAULT_FIXTURE, Fixture, fixtures};
+use std::fs;
 use std::path::PathBuf;
 
 /// One mesh to flatten.
@@ -21,6 +22,16 @@ impl Source {
         match self {
             Self::File(path) => path.display().to_string(),
             Self::Builtin => format!("fixtures/{DEFAULT_FIXTURE}.obj (builtin)"),
+        }
+    }
+
+    /// About how many bytes reading it takes at most, the mesh included; 0 where that cannot be told.
+    pub(crate) fn memory_to_read(&self) -> u64 {
+        /// Bytes in memory per byte of a file: a binary STL, whose corners are compared, has the most.
+        const BYTES_PER_BYTE: u64 = 5;
+        match self {
+            Self::File(path) => fs::metadata(path).map_or(0, |about| BYTES_PER_BYTE.saturating_mul(about.len())),
+            Self::Builtin => 0,
         }
     }
 

@@ -8,7 +8,7 @@ use std::fmt;
 use std::str::FromStr;
 
 /// More threads than any machine this was tried on has cores; some systems die of many more.
-const MOST_THREADS: i64 = 1024;
+pub(super) const MOST_THREADS: i64 = 1024;
 
 /// Every solver at once.
 const ALL: &str = "all";
@@ -38,6 +38,11 @@ pub(crate) struct MethodArgs {
     /// How many threads to use; the results are the same for any number [default: one per core]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=MOST_THREADS))]
     pub(crate) threads: Option<u16>,
+
+    /// Refuse meshes that would take more than SIZE, such as 500M or 4G; predicted, with K, M, G and T for
+    /// thousands, millions and so on of bytes [default: no limit]
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) max_memory: Option<MemorySize>,
 
     /// Start rings whose angle deficit is above T rad from their target angles; off: none [default: 1]
     #[arg(long, value_name = "T|off", help_heading = CONSTRAINTS)]
@@ -163,6 +168,27 @@ impl FromStr for RingSwitch {
     }
 }
 
+/// An amount of memory, in bytes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MemorySize(
+    /// Bytes; not zero.
+    pub(crate) u64,
+);
+
+impl FromStr for MemorySize {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        const UNITS: [(char, f64); 4] = [('k', 1e3), ('m', 1e6), ('g', 1e9), ('t', 1e12)];
+        let unit = s.chars().last().map(|c| c.to_ascii_lowercase());
+        let scale = UNITS.into_iter().find(|&(letter, _)| unit == Some(letter));
+        let (number, scale) = scale.map_or((s, 1.0), |(_, scale)| (&s[..s.len() - 1], scale));
+        let bytes = number.parse::<f64>().ok().map(|number| number * scale);
+        let bytes = bytes.filter(|&bytes| bytes >= 1.0 && bytes.is_finite());
+        bytes.map(|bytes| Self(bytes as u64)).ok_or_else(|| format!("must be an amount such as 500M or 4G, got '{s}'"))
+    }
+}
+
 /// How exactly an inner method solves, as it is typed and shown.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InnerAccuracy(
@@ -212,6 +238,18 @@ mod tests {
         assert!("slim".parse::<SolverChoice>().unwrap_err().ends_with("lscm, all"));
         assert_eq!("lscm,lscm".parse::<SolverChoice>(), Err("'lscm' is named twice".into()));
         assert!("".parse::<SolverChoice>().is_err());
+    }
+
+    #[test]
+    fn amounts_of_memory_have_units() {
+        for (text, bytes) in
+            [("4G", 4_000_000_000), ("1.5m", 1_500_000), ("20k", 20_000), ("7", 7), ("1T", 1_000_000_000_000)]
+        {
+            assert_eq!(text.parse(), Ok(MemorySize(bytes)), "{text}");
+        }
+        for text in ["", "G", "0", "-1G", "4GB", "nan", "inf", "4µ"] {
+            assert!(text.parse::<MemorySize>().unwrap_err().contains("such as 500M"), "{text}");
+        }
     }
 
     #[test]

@@ -2,9 +2,11 @@
 
 mod method;
 
+use abf::SolverKind;
 use abf_shapes::Shape;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Parser, Subcommand};
+use clap::{Parser, Subcommand, value_parser};
+use method::MOST_THREADS;
 pub(crate) use method::{InnerAccuracy, MethodArgs, SolverChoice, names};
 use std::path::PathBuf;
 
@@ -16,7 +18,7 @@ Exit codes:
 Of several meshes or solvers the worst counts; a reader of stdout that goes away is no error. A map that overlaps itself is said to, and does not change the code.";
 
 /// The names of the commands besides flattening.
-pub(crate) const COMMANDS: [&str; 3] = ["compare", "metrics", "fixtures"];
+pub(crate) const COMMANDS: [&str; 4] = ["compare", "survey", "metrics", "fixtures"];
 
 const COMPARE: &str = "\
 Every file is written anew after every mesh, so that stopping half-way keeps what is done.
@@ -26,6 +28,15 @@ Exit codes:
   0  every mesh compared
   1  cancelled
   2  a mesh that cannot be used, a file that cannot be written, unusable usage";
+
+const SURVEY: &str = "\
+Every finished mesh is appended to FILE.partial, and FILE is written whole at the end or after Ctrl-C. With
+--resume, meshes in either are not done again if name, size, time of change and settings agree.
+
+Exit codes:
+  0  every mesh has a valid map
+  1  some have not, or were refused, or it was cancelled; what is done is written
+  2  no mesh at all, a file that cannot be written, unusable usage";
 
 /// Flatten triangle meshes and say how good, how valid and how fast it was.
 #[derive(Debug, Parser)]
@@ -45,6 +56,7 @@ impl Args {
         match &self.command {
             None => self.flatten.method.threads,
             Some(Command::Compare(args)) => args.method.threads,
+            Some(Command::Survey(args)) => args.method.threads,
             Some(Command::Metrics(_) | Command::Fixtures(_)) => None,
         }
     }
@@ -56,6 +68,9 @@ pub(crate) enum Command {
     /// Flatten many meshes with many solvers, several times each, and write tables
     #[command(after_help = COMPARE)]
     Compare(Box<CompareArgs>),
+    /// Flatten every mesh of a folder with one solver, several at a time, and count how it went
+    #[command(after_help = SURVEY)]
+    Survey(Box<SurveyArgs>),
     /// Judge the UVs that files already have
     #[command(
         after_help = "Exit codes:\n  0  all valid\n  1  a file that is not valid: flipped or collapsed triangles, vertices wound around twice\n  2  unusable input"
@@ -130,6 +145,32 @@ pub(crate) struct CompareArgs {
     pub(crate) report: Option<PathBuf>,
 }
 
+/// The arguments of `survey`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct SurveyArgs {
+    /// Folders: every obj, off, ply and stl below them; and meshes
+    #[arg(value_name = "DIR|MESH", required = true)]
+    pub(crate) meshes: Vec<PathBuf>,
+    /// Leave out the folders inside the folders
+    #[arg(long)]
+    pub(crate) flat: bool,
+    /// The method
+    #[arg(long, value_name = "NAME", default_value_t)]
+    pub(crate) solver: SolverKind,
+    /// Its settings.
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+    /// How many meshes at a time; the results are the same for any number [default: one per core]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=MOST_THREADS))]
+    pub(crate) jobs: Option<u16>,
+    /// Go on with the results that are in --json FILE, and in FILE.partial
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Write the results as JSON; with - to stdout, and the tables go to stderr
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
+    pub(crate) json: Option<PathBuf>,
+}
+
 /// The arguments of `metrics`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct MetricsArgs {
@@ -170,7 +211,6 @@ fn at_least_one(s: &str) -> Result<usize, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abf::SolverKind;
     use clap::CommandFactory;
 
     #[test]

@@ -4,7 +4,6 @@
 //! that whatever ends the program leaves everything that was finished.
 
 mod baseline;
-mod meshes;
 mod outputs;
 mod repeat;
 mod report;
@@ -15,6 +14,7 @@ use crate::console;
 use crate::errors::Failure;
 use crate::files;
 use crate::load::{Loaded, unusable};
+use crate::meshes::{self, Depth};
 use crate::record::Outcome;
 use crate::run::Flattened;
 use crate::source::Source;
@@ -38,7 +38,7 @@ pub(crate) fn compare(comparison: &Comparison) -> Outcome {
 fn try_compare(comparison: &Comparison) -> Result<Outcome, Failure> {
     files::check(comparison.files())?;
     let baseline = comparison.baseline.as_deref().map(Baseline::read).transpose()?;
-    let meshes = meshes::find(&comparison.meshes)?;
+    let meshes = meshes::find(&comparison.meshes, Depth::Below)?;
     let cancel = Cancel::on_ctrl_c();
     let mut outputs = Outputs::new(comparison);
     for (done, file) in meshes.iter().enumerate() {
@@ -79,7 +79,7 @@ struct Compared {
 /// All solvers on one mesh, or one result that says why there are none.
 fn compare_one(source: &Source, comparison: &Comparison, cancel: &Cancel) -> Compared {
     let name = source.name();
-    let loaded = match Loaded::read(source, cancel) {
+    let loaded = match Loaded::read(source, comparison.methods[0].pipeline.max_memory, cancel) {
         Ok(loaded) => loaded,
         Err(failure) => {
             let runs = vec![unusable(name.clone(), failure).into()];

@@ -66,6 +66,9 @@ pub(crate) struct Record {
     /// See [`crate::memory`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) peak_memory_bytes: Option<usize>,
+    /// What was expected of it, see [`abf::predict_memory`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) predicted_memory_bytes: Option<u64>,
     /// What changed since an earlier comparison.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) baseline: Option<Change>,

@@ -7,13 +7,13 @@ use crate::record::{Quality, Record, Run};
 use abf::Metrics;
 
 /// How many digits errors and stretch are shown with.
-const DIGITS: usize = 4;
+pub(crate) const DIGITS: usize = 4;
 /// How many digits residuals are shown with: their size matters, not their value.
 const RESIDUAL_DIGITS: usize = 2;
 
 /// One column: its head, and the cell of a record.
 #[derive(Clone, Copy)]
-pub(crate) struct Column {
+pub(crate) struct Column<R = Record> {
     /// For people.
     pub(crate) head: &'static str,
     /// For programs, with the unit.
@@ -23,19 +23,19 @@ pub(crate) struct Column {
     /// Whether it is left out where no record has a value.
     pub(crate) is_optional: bool,
     /// Reads the cell.
-    pub(crate) cell: fn(&Record) -> Cell,
+    pub(crate) cell: fn(&R) -> Cell,
 }
 
-impl Column {
-    const fn text(head: &'static str, name: &'static str, cell: fn(&Record) -> Cell) -> Self {
+impl<R> Column<R> {
+    pub(crate) const fn text(head: &'static str, name: &'static str, cell: fn(&R) -> Cell) -> Self {
         Self { head, name, is_text: true, is_optional: false, cell }
     }
 
-    const fn number(head: &'static str, name: &'static str, cell: fn(&Record) -> Cell) -> Self {
+    pub(crate) const fn number(head: &'static str, name: &'static str, cell: fn(&R) -> Cell) -> Self {
         Self { head, name, is_text: false, is_optional: false, cell }
     }
 
-    const fn optional(self) -> Self {
+    pub(crate) const fn optional(self) -> Self {
         Self { is_optional: true, ..self }
     }
 }

@@ -5,17 +5,17 @@ use super::columns::Column;
 use crate::record::Record;
 
 /// The columns and their cells; columns that are optional and empty are left out.
-struct Table<'a> {
-    columns: Vec<&'a Column>,
+struct Table<'a, R> {
+    columns: Vec<&'a Column<R>>,
     rows: Vec<Vec<Cell>>,
 }
 
-impl<'a> Table<'a> {
-    fn new(columns: impl IntoIterator<Item = &'a Column>, records: &[&Record]) -> Self {
-        let is_shown = |column: &&Column| {
+impl<'a, R> Table<'a, R> {
+    fn new(columns: impl IntoIterator<Item = &'a Column<R>>, records: &[&R]) -> Self {
+        let is_shown = |column: &&Column<R>| {
             !column.is_optional || records.iter().any(|record| (column.cell)(record) != Cell::Nothing)
         };
-        let columns: Vec<&Column> = columns.into_iter().filter(is_shown).collect();
+        let columns: Vec<&Column<R>> = columns.into_iter().filter(is_shown).collect();
         let rows = records.iter().map(|record| columns.iter().map(|column| (column.cell)(record)).collect()).collect();
         Self { columns, rows }
     }
@@ -29,7 +29,7 @@ impl<'a> Table<'a> {
 }
 
 /// For the terminal: words to the left, numbers to the right.
-pub(crate) fn aligned<'a>(columns: impl IntoIterator<Item = &'a Column>, records: &[&Record]) -> String {
+pub(crate) fn aligned<'a, R: 'a>(columns: impl IntoIterator<Item = &'a Column<R>>, records: &[&R]) -> String {
     let table = Table::new(columns, records);
     let rows = table.for_people();
     let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);

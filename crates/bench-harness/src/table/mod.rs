@@ -4,8 +4,10 @@ mod cell;
 mod columns;
 mod format;
 mod full;
+mod survey;
 
 use crate::record::{Outcome, Record, Size};
+use crate::survey::Row;
 use cell::Cell;
 use columns::{COMPARISON, Column, MESHES, PAGE, REPEATS, SOLVERS};
 use std::cmp::Ordering;
@@ -27,6 +29,11 @@ pub(crate) fn of_solvers(records: &[Record]) -> String {
 /// The same with the spread of repeated runs, and with what changed since the baseline.
 pub(crate) fn of_repeats(records: &[Record]) -> String {
     of_one_mesh(REPEATS, records)
+}
+
+/// The rows of a survey, in the order given.
+pub(crate) fn of_survey(rows: &[&Row]) -> String {
+    format::aligned(survey::COLUMNS, rows)
 }
 
 /// Every result of a comparison, in the order of the meshes, as Markdown.

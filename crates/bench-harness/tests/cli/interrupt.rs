@@ -8,15 +8,15 @@ use std::thread;
 use std::time::Duration;
 
 /// How long a test waits for what cannot be seen from outside.
-const MOMENT: Duration = Duration::from_millis(500);
+pub(crate) const MOMENT: Duration = Duration::from_millis(500);
 
-fn interrupt(child: &Child) {
+pub(crate) fn interrupt(child: &Child) {
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     assert!(sent.expect("kill is there").success());
 }
 
 /// Waits until the program listens to Ctrl-C, which the kernel shows as a bit for every signal.
-fn wait_until_it_listens(child: &Child) {
+pub(crate) fn wait_until_it_listens(child: &Child) {
     const SIGINT_BIT: u64 = 1 << 1;
     let listens = || {
         let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
@@ -26,7 +26,7 @@ fn wait_until_it_listens(child: &Child) {
     wait_until(|| listens() == Some(true), "the program listens to Ctrl-C");
 }
 
-fn wait_until(is_so: impl Fn() -> bool, what: &str) {
+pub(crate) fn wait_until(is_so: impl Fn() -> bool, what: &str) {
     let is_so_in_time = (0..100).any(|_| {
         thread::sleep(MOMENT / 10);
         is_so()
@@ -35,7 +35,7 @@ fn wait_until(is_so: impl Fn() -> bool, what: &str) {
 }
 
 /// A pipe that nobody writes to: the program that reads it waits in a place that cannot be cancelled.
-fn pipe(folder: &Folder) -> PathBuf {
+pub(crate) fn pipe(folder: &Folder) -> PathBuf {
     let pipe = folder.path("pipe.obj");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is there").success());
     pipe

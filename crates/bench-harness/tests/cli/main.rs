@@ -7,9 +7,11 @@ mod flatten;
 mod hostile;
 #[cfg(target_os = "linux")]
 mod interrupt;
+mod memory;
 mod metrics;
 mod models;
 mod refusals;
 mod solvers;
 mod support;
 mod surfaces;
+mod survey;

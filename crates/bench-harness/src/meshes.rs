@@ -5,17 +5,26 @@ use abf_mesh::io::MeshFormat;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The meshes that are named, in order, and in the place of a folder all below it, sorted. What is
+/// How far into a folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// The files that lie in it.
+    Inside,
+    /// All below it.
+    Below,
+}
+
+/// The meshes that are named, in order, and in the place of a folder those in it, sorted. What is
 /// hidden is left out, and so are links to folders, which could go round in circles.
 ///
 /// # Errors
 /// A folder that cannot be read, or that has no mesh.
-pub(super) fn find(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+pub(crate) fn find(named: &[PathBuf], depth: Depth) -> Result<Vec<PathBuf>, Failure> {
     let mut found = Vec::new();
     for path in named {
         if path.is_dir() {
             let mut below = Vec::new();
-            add_below(path, &mut below)?;
+            add_files(path, depth, &mut below)?;
             if below.is_empty() {
                 return Err(Failure::no_meshes(path));
             }
@@ -28,7 +37,7 @@ pub(super) fn find(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     Ok(found)
 }
 
-fn add_below(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
+fn add_files(folder: &Path, depth: Depth, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
     let unreadable = |error| Failure::unreadable(folder, &error);
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         let entry = entry.map_err(unreadable)?;
@@ -37,7 +46,9 @@ fn add_below(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
             continue;
         }
         if kind.is_dir() {
-            add_below(&path, found)?;
+            if depth == Depth::Below {
+                add_files(&path, depth, found)?;
+            }
         } else if MeshFormat::from_path(&path).is_some() && path.is_file() {
             found.push(path);
         }
@@ -50,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_stands_for_every_mesh_below_it() {
+    fn a_folder_stands_for_every_mesh_in_it_or_below_it() {
         let folder = tempfile::tempdir().expect("a folder");
         let at = |name: &str| folder.path().join(name);
         for name in ["b/inner", ".hidden", "empty"] {
@@ -59,8 +70,10 @@ mod tests {
         for name in ["c.obj", "a.PLY", "b/inner/z.stl", "b/notes.txt", ".hidden/x.obj"] {
             fs::write(at(name), "").expect("written");
         }
-        let found = find(&[at("missing.obj"), folder.path().to_owned()]).expect("meshes");
+        let found = find(&[at("missing.obj"), folder.path().to_owned()], Depth::Below).expect("meshes");
         assert_eq!(found, [at("missing.obj"), at("a.PLY"), at("b/inner/z.stl"), at("c.obj")]);
-        assert_eq!(find(&[at("empty")]).unwrap_err().kind, "no-meshes");
+        let inside = find(&[folder.path().to_owned()], Depth::Inside).expect("meshes");
+        assert_eq!(inside, [at("a.PLY"), at("c.obj")]);
+        assert_eq!(find(&[at("empty")], Depth::Below).unwrap_err().kind, "no-meshes");
     }
 }

@@ -1,0 +1,153 @@
+//! How much memory a flattening takes, known before it is taken.
+//!
+//! Every part but one grows with the number of triangles; the factors of a disk's matrices grow with
+//! `n log n` (George 1973 on nested dissection; minimum degree, which is used, comes close). So a run takes `n (a + b log₂ n)`
+//! bytes, with `a` and `b` of the method. Measured on round and long disks of 150 to 640 000 triangles, as `peak_memory_bytes`
+//! in the program's JSON; the whole matrix of ABF, factored by LU, grows with a power.
+
+use std::num::NonZeroUsize;
+
+use crate::{Hessian, Passes, Pipeline, PreconditionerKind, Reduction, SolverKind, WheelForm};
+
+/// What the least squares fit of all disks leaves open, for meshes whose factors are fuller than theirs.
+const MARGIN: f64 = 1.2;
+
+/// Bytes of a mesh with `n` triangles.
+#[derive(Clone, Copy, Debug)]
+enum Growth {
+    /// `n (a + b log₂ n)`.
+    Log(f64, f64),
+    /// `a n^b`.
+    Power(f64, f64),
+}
+
+/// Conjugate gradients with factors in single precision: [`SolverKind::LinAbf`] from its second pass on.
+const LEAN: Growth = Growth::Log(400.0, 25.0);
+/// One factorisation in double precision: one pass of it.
+const ONE_PASS: Growth = Growth::Log(60.0, 85.0);
+/// The lean steps, with what a line search keeps.
+const FROZEN: Growth = Growth::Log(510.0, 26.0);
+/// Factors in double precision, with what a line search keeps.
+const DIRECT: Growth = Growth::Log(60.0, 95.0);
+/// Uzawa with the blocks factored.
+const UZAWA: Growth = Growth::Log(700.0, 44.0);
+/// MINRES with the blocks factored.
+const MINRES: Growth = Growth::Log(350.0, 45.0);
+/// Either, on the whole system, with the blocks factored.
+const WHOLE_ITERATIVE: Growth = Growth::Log(1110.0, 47.0);
+/// Either, with no factor at all.
+const NO_FACTOR: Growth = Growth::Log(860.0, 6.0);
+/// The whole matrix, by LU. A long mesh takes down to a quarter.
+const WHOLE_LU: Growth = Growth::Power(1660.0, 1.4);
+/// A complex least squares system.
+const LSCM: Growth = Growth::Log(270.0, 34.0);
+/// Methods of several methods, and those over positions: the most that is known of any that does not take a whole LU.
+const MOST: Growth = Growth::Log(720.0, 95.0);
+
+/// What a vertex takes that no face uses, and of others the part that the triangles do not cover: its position
+/// as it is read and as it is kept, its UV, indices.
+const BYTES_PER_VERTEX: u64 = 150;
+
+impl Growth {
+    fn at(self, triangles: usize) -> f64 {
+        // A single triangle has no logarithm, and is no case for care.
+        let n = triangles.max(2) as f64;
+        match self {
+            Self::Log(a, b) => n * (a + b * n.log2()),
+            Self::Power(a, b) => a * n.powf(b),
+        }
+    }
+}
+
+/// About how many bytes [`Pipeline::run`] takes at most at a time, the mesh and reading it included, for a
+/// disk of so many triangles and vertices.
+///
+/// It is above what is measured, and mostly below twice that: round meshes with vertices of about six faces come
+/// close to it, long ones and those with few interior vertices take less. Not in it: the code, thread
+/// stacks, and the scratch of the matrix library, which is sized after the processor's caches.
+#[must_use]
+pub fn predict_memory(pipeline: &Pipeline, triangles: usize, vertices: usize) -> u64 {
+    // A disk has at most two vertices more than triangles, and mostly half as many.
+    let unused = vertices.saturating_sub(triangles) as u64;
+    let bytes = MARGIN * growth(pipeline).at(triangles);
+    (bytes as u64).saturating_add(BYTES_PER_VERTEX.saturating_mul(unused))
+}
+
+fn growth(pipeline: &Pipeline) -> Growth {
+    let settings = pipeline.newton_settings();
+    let point = settings.map(|settings| (settings.wheel, settings.hessian));
+    match pipeline.solver {
+        SolverKind::LinAbf if pipeline.passes == Passes::Exactly(NonZeroUsize::MIN) => ONE_PASS,
+        SolverKind::LinAbf => LEAN,
+        SolverKind::Lscm => LSCM,
+        SolverKind::Abf => WHOLE_LU,
+        SolverKind::AbfPlusPlus | SolverKind::AbfNewton | SolverKind::AbfFixedTarget => match point {
+            Some((WheelForm::Product, Hessian::Exact)) => WHOLE_LU,
+            Some((WheelForm::Log, Hessian::GaussNewton)) => FROZEN,
+            _ => DIRECT,
+        },
+        SolverKind::Uzawa | SolverKind::Minres => {
+            let iterative = pipeline.iterative;
+            match (iterative.reduction, iterative.preconditioner) {
+                (Reduction::None, PreconditionerKind::Block) => WHOLE_ITERATIVE,
+                (Reduction::Triangles, PreconditionerKind::Block) if pipeline.solver == SolverKind::Minres => MINRES,
+                (Reduction::Triangles, PreconditionerKind::Block) => UZAWA,
+                (_, PreconditionerKind::None | PreconditionerKind::Jacobi) => NO_FACTOR,
+            }
+        }
+        #[allow(unreachable_patterns, reason = "a method that is not known here must not go unchecked")]
+        _ => MOST,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Event, FlattenError, Observer, Verdict};
+    use abf_shapes::Shape;
+
+    #[test]
+    fn larger_meshes_take_more_whatever_the_method_and_no_count_overflows() {
+        for solver in SolverKind::ALL {
+            let pipeline = Pipeline { solver, ..Pipeline::default() };
+            let sizes = [0, 1, 2, 100, 10_000, 1_000_000, usize::MAX];
+            let bytes = sizes.map(|n| predict_memory(&pipeline, n, n / 2));
+            assert!(bytes.is_sorted() && bytes[0] > 0, "{solver}: {bytes:?}");
+            assert!(predict_memory(&pipeline, 100, usize::MAX) > predict_memory(&pipeline, 100, 60));
+        }
+    }
+
+    #[test]
+    fn no_other_solver_of_angles_takes_less_than_linabf() {
+        let bytes = |solver| predict_memory(&Pipeline { solver, ..Pipeline::default() }, 100_000, 50_000);
+        for solver in SolverKind::ALL.into_iter().filter(|&solver| solver != SolverKind::Lscm) {
+            assert!(bytes(solver) >= bytes(SolverKind::LinAbf), "{solver}");
+        }
+    }
+
+    /// An observer that hears nothing, for nothing is begun.
+    struct Deaf;
+
+    impl Observer for Deaf {
+        fn observe(&mut self, event: Event<'_>) -> Verdict {
+            panic!("{event:?}")
+        }
+    }
+
+    #[test]
+    fn a_mesh_over_the_limit_is_refused_before_anything_is_done() {
+        let mesh = Shape::BumpySheet.mesh(2000);
+        let refused = |solver, limit| {
+            let pipeline = Pipeline { solver, max_memory: Some(limit), ..Pipeline::default() };
+            pipeline.run(&mesh, &mut Deaf).unwrap_err()
+        };
+        let (triangles, limit) = (mesh.face_count(), 2_000_000);
+        let error = refused(SolverKind::Uzawa, limit);
+        let FlattenError::Memory { solver: "uzawa", predicted, leaner: Some(("linabf", bytes)), .. } = error else {
+            panic!("{error:?}")
+        };
+        assert!(predicted > limit && bytes <= limit, "{error}");
+        assert!(error.to_string().contains(&format!("for {triangles} triangles, and the limit is 2.0 MB")), "{error}");
+        assert!(matches!(refused(SolverKind::LinAbf, 1000), FlattenError::Memory { leaner: None, .. }));
+    }
+}

@@ -1,0 +1,157 @@
+//! One mesh of a survey, as it is written, shown and read again.
+
+use crate::record::{Outcome, Record};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::time::UNIX_EPOCH;
+
+/// What tells whether a file is still the same.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct FileState {
+    bytes: u64,
+    /// Nanoseconds since 1970.
+    modified_ns: u64,
+}
+
+impl FileState {
+    /// The state of a file now; `None` where it cannot be told.
+    pub(super) fn of(path: &Path) -> Option<Self> {
+        let about = fs::metadata(path).ok()?;
+        let since = about.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+        Some(Self { bytes: about.len(), modified_ns: u64::try_from(since.as_nanos()).ok()? })
+    }
+}
+
+/// What a survey shows of a result. Read from its JSON, whether that is of now or of an earlier run; what
+/// is not in it is absent or zero.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub(crate) struct Row {
+    pub(crate) mesh: String,
+    pub(crate) triangles: Option<usize>,
+    pub(crate) solver: Option<String>,
+    /// What a solver of several methods tried, the last one being the one that is shown.
+    pub(crate) rungs: Vec<Value>,
+    pub(crate) result: String,
+    pub(crate) valid: bool,
+    pub(crate) injective: bool,
+    pub(crate) flips: usize,
+    pub(crate) collapsed: usize,
+    pub(crate) wound: usize,
+    pub(crate) overlaps: usize,
+    pub(crate) f: Option<f64>,
+    pub(crate) stretch_l2: Option<f64>,
+    pub(super) timings_s: Option<Seconds>,
+    pub(crate) refused: Option<String>,
+    pub(crate) converged: bool,
+    pub(super) error: Option<Error>,
+    pub(super) file: Option<FileState>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub(super) struct Seconds {
+    total: f64,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Error {
+    message: String,
+    hint: String,
+}
+
+impl Row {
+    /// The solver, and what it came down to where it has several methods.
+    pub(crate) fn method(&self) -> Option<String> {
+        let solver = self.solver.as_deref()?;
+        let rung = self.rungs.last().and_then(|rung| {
+            let name = ["name", "solver", "rung"].into_iter().find_map(|key| rung[key].as_str());
+            name.or(rung.as_str()).map(str::to_owned)
+        });
+        Some(match rung {
+            Some(rung) => format!("{solver}: {rung}"),
+            None => solver.to_owned(),
+        })
+    }
+
+    /// How long it took, reading and judging included.
+    pub(crate) fn seconds(&self) -> Option<f64> {
+        self.timings_s.map(|seconds| seconds.total)
+    }
+
+    /// What is wrong with it and what to try next, if there is no result.
+    pub(super) fn failure(&self) -> Option<String> {
+        self.error.as_ref().map(|error| format!("{}: {}", error.message, error.hint))
+    }
+}
+
+/// A finished mesh.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    /// What is shown of it.
+    pub(super) row: Row,
+    /// All of it: one line of JSON.
+    pub(super) json: String,
+}
+
+/// The record of a mesh with what only a survey says.
+#[derive(Serialize)]
+struct Finished<'a> {
+    #[serde(flatten)]
+    record: &'a Record,
+    /// One word, or two.
+    result: String,
+    converged: bool,
+    /// Why there is no result, in the words that are counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<&'static str>,
+    /// Absent where it cannot be told whether the file is the same later.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<FileState>,
+}
+
+impl Entry {
+    /// The entry of a mesh that has just been done.
+    pub(super) fn new(record: &Record, file: Option<FileState>) -> Self {
+        let refused = refused(record);
+        let converged = record.run.as_ref().is_some_and(|run| run.termination.is_as_asked());
+        let finished = Finished { record, result: record.result_word(), converged, refused, file };
+        let json = serde_json::to_string(&finished).expect("records have text keys only");
+        Self::read(json).expect("a record reads back")
+    }
+
+    /// An entry that was written; `None` for what is none, such as half of one.
+    pub(super) fn read(json: String) -> Option<Self> {
+        let row: Row = serde_json::from_str(&json).ok()?;
+        (!row.mesh.is_empty()).then_some(Self { row, json })
+    }
+
+    /// Whether more memory, and nothing else, may change it.
+    pub(super) fn is_for_want_of_memory(&self) -> bool {
+        self.row.refused.as_deref() == Some(MEMORY)
+    }
+}
+
+const MEMORY: &str = "memory";
+
+/// Why a mesh has no result, in few classes; `None` where it has one.
+fn refused(record: &Record) -> Option<&'static str> {
+    let failure = record.error.as_ref().filter(|_| record.outcome() == Outcome::Failed)?;
+    Some(match failure.kind {
+        "memory" | "out-of-memory" => MEMORY,
+        "internal" => "internal error",
+        // The size of whatever could be read is known.
+        _ if record.size.is_none() => "unreadable",
+        "several-components" | "closed" | "several-boundaries" | "handles" | "not-a-disk" => "not a disk",
+        "non-manifold-edge"
+        | "non-manifold-vertex"
+        | "inconsistent-orientation"
+        | "non-orientable"
+        | "repeated-vertex"
+        | "topology" => "not manifold",
+        "zero-area" | "not-finite" | "degenerate-angle" | "geometry" | "no-area" => "degenerate",
+        "too-large" => "too large",
+        _ => "no result",
+    })
+}
