@@ -101,7 +101,8 @@ fn linabf_converges_without_flips_on_every_disk_but_dino() {
     let Some(folder) = models(ONE_PASS.len() - 1) else { return };
     let mut misses = Vec::new();
     for (name, ..) in ONE_PASS.into_iter().filter(|row| !row.0.ends_with("dino.obj")) {
-        let (flat, metrics) = run(&Pipeline { solver: SolverKind::LinAbf, ..Pipeline::default() }, &read(&folder, name));
+        let (flat, metrics) =
+            run(&Pipeline { solver: SolverKind::LinAbf, ..Pipeline::default() }, &read(&folder, name));
         let solution = flat.solution.expect("LinABF solves for angles");
         println!(
             "{name}: {} after {} passes, residual {:.1e}, layout {}, F {:.5e}, L2 {:.5}, flips {}",
