@@ -14,29 +14,41 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`flatten`] uses the defaults. [`Pipeline`] holds every setting: which solver, how many passes,
+//! [`flatten`] uses the defaults: [`SolverKind::Auto`], a ladder of solvers up to the first whose result is proved valid;
+//! [`Flattening::rungs`] says which were tried. [`Pipeline`] holds every setting: which solver, how many passes,
 //! which layout, when to stop. Core crates print nothing; an [`Observer`] hears what happens and may
 //! cancel.
 
+mod error;
+mod flattening;
+mod ladder;
 mod memory;
 mod pipeline;
+mod precision_limits;
 mod solver_kind;
+mod task;
 
 pub use abf_constraints as constraints;
+pub use abf_embed as embed;
 pub use abf_mesh as mesh;
 pub use abf_metrics as metrics;
 pub use abf_reconstruct as reconstruct;
 pub use abf_solve_core as solve_core;
 
 pub use abf_constraints::{EstimateSettings, KktCounts, WheelForm};
+pub use abf_embed::Descent;
 pub use abf_metrics::{Certificate, Metrics, MetricsError, Precision};
 pub use abf_reconstruct::{LayoutKind, LayoutSettings};
+pub use abf_solve_barrier::Barrier;
 pub use abf_solve_core::{
     AngleSolution, AngleSolver, BoundRule, Event, Fallback, Hessian, InnerTolerance, IterationRecord,
     IterativeSettings, LineSearch, NewtonSettings, Observer, PreconditionerKind, Reduction, Silent, Stage,
     StopCriteria, Termination, Verdict,
 };
 pub use abf_solve_linabf::Passes;
+pub use error::FlattenError;
+pub use flattening::{Flattening, LayoutReport, RungReport};
 pub use memory::predict_memory;
-pub use pipeline::{FlattenError, Flattening, Pipeline, flatten};
+pub use pipeline::{Pipeline, flatten};
+pub use precision_limits::PrecisionLimits;
 pub use solver_kind::{SolverKind, UnknownSolver};

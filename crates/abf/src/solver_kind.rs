@@ -7,8 +7,10 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SolverKind {
-    /// Linear ABF (Zayer, Lévy, Seidel 2007).
+    /// A ladder of the others, up to the first result that is certified: see [`RungReport`](crate::RungReport).
     #[default]
+    Auto,
+    /// Linear ABF (Zayer, Lévy, Seidel 2007).
     LinAbf,
     /// ABF as published in 2001 (Sheffer, de Sturler): product wheel, exact Hessian, whole matrix.
     Abf,
@@ -22,6 +24,11 @@ pub enum SolverKind {
     Uzawa,
     /// Newton's method solved by MINRES (Zayer, Rössl, Seidel 2004).
     Minres,
+    /// Interior point in angle space: a log barrier at 0 and π, a filter, restoration.
+    Barrier,
+    /// Descent over the positions of the vertices, from Tutte's embedding through drawings without flips only: no
+    /// layout, the positions are the unknowns.
+    Descent,
     /// Least squares conformal maps (Lévy et al. 2002): no angles are solved for, the layout alone
     /// does the work.
     Lscm,
@@ -29,7 +36,8 @@ pub enum SolverKind {
 
 impl SolverKind {
     /// Every solver, in the order of the documentation.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 11] = [
+        Self::Auto,
         Self::LinAbf,
         Self::Abf,
         Self::AbfPlusPlus,
@@ -37,6 +45,8 @@ impl SolverKind {
         Self::AbfFixedTarget,
         Self::Uzawa,
         Self::Minres,
+        Self::Barrier,
+        Self::Descent,
         Self::Lscm,
     ];
 
@@ -44,6 +54,7 @@ impl SolverKind {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::LinAbf => "linabf",
             Self::Abf => "abf",
             Self::AbfPlusPlus => "abf++",
@@ -51,6 +62,8 @@ impl SolverKind {
             Self::AbfFixedTarget => "abf-fixed-target",
             Self::Uzawa => "uzawa",
             Self::Minres => "minres",
+            Self::Barrier => "barrier",
+            Self::Descent => "descent",
             Self::Lscm => "lscm",
         }
     }
@@ -92,6 +105,6 @@ mod tests {
             assert_eq!(kind.name().parse(), Ok(kind));
         }
         let e = "slim".parse::<SolverKind>().unwrap_err();
-        assert!(e.to_string().contains("linabf, abf, abf++"), "{e}");
+        assert!(e.to_string().contains("auto, linabf, abf, abf++"), "{e}");
     }
 }

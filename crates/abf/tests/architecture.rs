@@ -16,6 +16,7 @@ const LAYERS: &[(&str, u32)] = &[
     ("abf-solve-abf-newton", 3),
     ("abf-solve-uzawa", 3),
     ("abf-solve-minres", 3),
+    ("abf-solve-barrier", 3),
     ("abf-reconstruct", 3),
     ("abf-metrics", 3),
     ("abf-embed", 3),

@@ -11,6 +11,7 @@ const SHAPES: [Shape; 6] =
 
 fn one_pass() -> Pipeline {
     Pipeline {
+        solver: SolverKind::LinAbf,
         passes: Passes::Exactly(1.try_into().expect("not zero")),
         layout: LayoutSettings { kind: LayoutKind::LeastSquares, ..LayoutSettings::default() },
         ..Pipeline::default()

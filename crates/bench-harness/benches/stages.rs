@@ -5,7 +5,7 @@ mod support;
 use abf::constraints::AngleProblem;
 use abf::mesh::{Topology, io};
 use abf::reconstruct::layout;
-use abf::{EstimateSettings, LayoutKind, LayoutSettings, Pipeline, Silent};
+use abf::{EstimateSettings, LayoutKind, LayoutSettings, Pipeline, Silent, SolverKind};
 use std::hint::black_box;
 use support::{fixture, forget};
 
@@ -17,7 +17,7 @@ fn main() {
     let mesh = fixture(abf_shapes::DEFAULT_FIXTURE).mesh;
     let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
     let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
-    let pipeline = Pipeline::default();
+    let pipeline = Pipeline { solver: SolverKind::LinAbf, ..Pipeline::default() };
     let flat = pipeline.run(&mesh, &mut Silent).expect("a flattening");
     let angles = flat.solution.expect("angles");
     let mut obj = Vec::new();

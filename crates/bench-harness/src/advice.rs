@@ -1,7 +1,7 @@
 //! What to try next when a result is not what was hoped for.
 
 use crate::number::{count, significant};
-use crate::record::{Asked, Outcome, Record, Run};
+use crate::record::{Asked, Outcome, Record, Run, Rung};
 use abf::{Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, Termination};
 
 /// The threshold that the paper recommends (§4.2), rad.
@@ -52,12 +52,63 @@ pub(crate) fn overlap(record: &Record) -> Option<String> {
     Some(format!("the UVs overlap themselves at {places} of their boundary{}{counted}", example.unwrap_or_default()))
 }
 
+/// What the rungs of `auto` came to; `None` where the first was enough.
+pub(crate) fn climb(record: &Record) -> Option<String> {
+    let run = record.run.as_ref().filter(|run| run.rungs.len() > 1)?;
+    let rungs: Vec<String> = run.rungs.iter().map(rung).collect();
+    let end = if record.outcome() == Outcome::AsAsked { "" } else { "; none of them both converged and valid" };
+    Some(format!("{}{end}", rungs.join(", ")))
+}
+
+fn rung(rung: &Rung) -> String {
+    let Some(termination) = rung.termination else {
+        return format!("{} found nothing ({})", rung.solver, rung.error.as_deref().unwrap_or("no reason given"));
+    };
+    let steps = steps(rung.solver, rung.iterations);
+    let bad = [
+        (rung.flips, "flipped triangle", "flipped triangles"),
+        (rung.collapsed, "collapsed triangle", "collapsed triangles"),
+        (rung.wound, "vertex wound around twice", "vertices wound around twice"),
+    ];
+    let bad: Vec<String> = bad.into_iter().filter(|b| b.0 > 0).map(|(n, one, many)| count(n, one, many)).collect();
+    match (rung.valid, termination.is_as_asked()) {
+        (true, true) => format!("{} valid after {steps}", rung.solver),
+        (true, false) => format!("{} valid but {termination} after {steps}", rung.solver),
+        (false, true) => format!("{} left {} after {steps}", rung.solver, bad.join(" and ")),
+        (false, false) => format!("{} {termination} after {steps} with {}", rung.solver, bad.join(" and ")),
+    }
+}
+
+/// How near the UVs are to what doubles can hold; `None` where there is room to spare.
+pub(crate) fn precision(record: &Record) -> Option<String> {
+    /// Only the size of such a number matters.
+    const DIGITS: usize = 1;
+    let limits = record.run.as_ref()?.precision_limits?;
+    let mut parts = vec![format!(
+        "lengths shrink by up to {} times more in one place than in another",
+        significant(limits.spread, DIGITS)
+    )];
+    if limits.near_collapsed > 0 {
+        let triangles = count(limits.near_collapsed, "triangle is", "triangles are");
+        parts.push(format!("{triangles} within the rounding of their coordinates"));
+    }
+    if limits.held_faces > 0 {
+        parts.push(format!("{} held in place", count(limits.held_faces, "triangle was", "triangles were")));
+    }
+    Some(format!("the UVs are near what double precision holds: {}", parts.join(", ")))
+}
+
+fn steps(solver: SolverKind, n: usize) -> String {
+    match solver {
+        SolverKind::LinAbf => count(n, "pass", "passes"),
+        SolverKind::Descent => count(n, "step", "steps"),
+        _ => count(n, "iteration", "iterations"),
+    }
+}
+
 /// How the solver ended, in words.
 pub(crate) fn ending(run: &Run) -> String {
-    let steps = match run.settings.passes {
-        Some(_) => count(run.iterations, "pass", "passes"),
-        None => count(run.iterations, "iteration", "iterations"),
-    };
+    let steps = steps(run.solved_by, run.iterations);
     // The refinement of a direct solve is no iteration anyone asked for, and has no estimate.
     let steps = match run.inner_estimate {
         Some(_) => format!("{steps} ({} inner)", run.inner_iterations),
@@ -84,7 +135,7 @@ fn inner_shortfall(run: &Run) -> Option<String> {
 fn tries(solver: &str, run: &Run) -> Vec<String> {
     let asked = &run.settings;
     if solver == SolverKind::Lscm.name() {
-        return vec![format!("--solver {}", SolverKind::LinAbf)];
+        return vec![format!("--solver {}", SolverKind::Auto)];
     }
     let has_inner_settings = asked.max_inner_iterations.is_some();
     if has_inner_settings && run.inner_unconverged > 0 && !run.termination.is_as_asked() {
@@ -97,6 +148,7 @@ fn tries(solver: &str, run: &Run) -> Vec<String> {
             vec![format!("--max-iterations {}", 2 * asked.max_iterations)]
         }
         Termination::Cancelled => Vec::new(),
+        _ if run.solved_by == SolverKind::Descent || !run.rungs.is_empty() => vec![longer_seam()],
         ending if asked.passes.is_some() => other_passes(asked, run.layout, ending),
         ending => other_steps(solver, asked, ending),
     }
@@ -115,7 +167,7 @@ fn stronger_inner_solve(asked: &Asked) -> Vec<String> {
 }
 
 /// For the solver that makes passes.
-fn other_passes(asked: &Asked, used: LayoutKind, termination: Termination) -> Vec<String> {
+fn other_passes(asked: &Asked, used: Option<LayoutKind>, termination: Termination) -> Vec<String> {
     let mut tries = Vec::new();
     if asked.passes != Some(Passes::Auto) {
         tries.push("--passes auto".to_owned());
@@ -127,7 +179,9 @@ fn other_passes(asked: &Asked, used: LayoutKind, termination: Termination) -> Ve
     }
     if termination == Termination::Converged {
         tries.push(longer_seam());
-    } else if asked.passes == Some(Passes::Auto) && (asked.layout != used || used != LayoutKind::LeastSquares) {
+    } else if asked.passes == Some(Passes::Auto)
+        && (Some(asked.layout) != used || used != Some(LayoutKind::LeastSquares))
+    {
         tries.push(format!("--passes 3 --layout {}", LayoutKind::LeastSquares));
     }
     tries

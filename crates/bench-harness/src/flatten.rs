@@ -100,8 +100,8 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     if let Some(failure) = &record.error {
         console::failure(failure);
     }
-    if let Some(overlap) = &record.overlap {
-        console::note(&record.mesh, overlap);
+    for note in [&record.climb, &record.precision, &record.overlap].into_iter().flatten() {
+        console::note(&record.mesh, note);
     }
     if let Some(hint) = &record.hint {
         console::hint(&record.mesh, hint);

@@ -4,7 +4,9 @@ use crate::args::{MethodArgs, SolverChoice, names};
 use crate::errors;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
-use abf::{EstimateSettings, FlattenError, IterativeSettings, LayoutSettings, Pipeline, SolverKind, StopCriteria};
+use abf::{
+    Descent, EstimateSettings, FlattenError, IterativeSettings, LayoutSettings, Pipeline, SolverKind, StopCriteria,
+};
 use clap::error::ErrorKind;
 use std::time::Duration;
 
@@ -85,9 +87,19 @@ pub(crate) fn finds_angles(solver: SolverKind) -> bool {
     solver != SolverKind::Lscm
 }
 
+/// Whether a solver keeps angles to constraints that have to be met.
+pub(crate) fn keeps_constraints(solver: SolverKind) -> bool {
+    finds_angles(solver) && solver != SolverKind::Descent
+}
+
 /// Whether a solver makes passes, with a target that moves.
 pub(crate) fn makes_passes(solver: SolverKind) -> bool {
-    solver == SolverKind::LinAbf
+    matches!(solver, SolverKind::Auto | SolverKind::LinAbf)
+}
+
+/// Whether a solver moves vertices, kept apart by a barrier.
+pub(crate) fn has_a_barrier(solver: SolverKind) -> bool {
+    matches!(solver, SolverKind::Auto | SolverKind::Descent)
 }
 
 /// Whether a solver's steps are solved by iterations.
@@ -108,17 +120,18 @@ struct Offer {
 }
 
 /// Every option that concerns some solvers only.
-fn offers(args: &MethodArgs) -> [Offer; 13] {
+fn offers(args: &MethodArgs) -> [Offer; 14] {
     let of = |concerns: fn(SolverKind) -> bool| move |name, is_given| Offer { name, is_given, concerns };
     let (angles, passes, inner) = (of(finds_angles), of(makes_passes), of(iterates_inside));
-    let fixed_target = of(has_a_fixed_target);
+    let (fixed_target, constrained, barrier) = (of(has_a_fixed_target), of(keeps_constraints), of(has_a_barrier));
     [
-        angles("--ring-switch", args.ring_switch.is_some()),
-        angles("--angle-bound", args.angle_bound.is_some()),
-        angles("--tolerance", args.tolerance.is_some()),
+        constrained("--ring-switch", args.ring_switch.is_some()),
+        constrained("--angle-bound", args.angle_bound.is_some()),
+        constrained("--tolerance", args.tolerance.is_some()),
         angles("--max-iterations", args.max_iterations.is_some()),
         angles("--time-limit", args.time_limit.is_some()),
         passes("--passes", args.passes.is_some()),
+        barrier("--barrier-floor", args.barrier_floor.is_some()),
         fixed_target("--wheel", args.wheel.is_some()),
         fixed_target("--hessian", args.hessian.is_some()),
         fixed_target("--line-search", args.line_search.is_some()),
@@ -142,7 +155,7 @@ fn check_concerns(solvers: &[SolverKind], args: &MethodArgs) -> Result<(), clap:
 /// The settings for all solvers; each reads those that concern it.
 fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
     let (estimate, stop) = (EstimateSettings::default(), StopCriteria::default());
-    let iterative = IterativeSettings::default();
+    let (iterative, descent) = (IterativeSettings::default(), Descent::default());
     Ok(Pipeline {
         passes: args.passes.unwrap_or_default(),
         wheel: args.wheel,
@@ -154,6 +167,7 @@ fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
             preconditioner: args.preconditioner.unwrap_or_default(),
             max_inner_iterations: args.max_inner_iterations.unwrap_or(iterative.max_inner_iterations),
         },
+        descent: Descent { barrier_floor: args.barrier_floor.unwrap_or(descent.barrier_floor), ..descent },
         estimate: EstimateSettings {
             ring_switch: args.ring_switch.map_or(estimate.ring_switch, |given| given.0),
             angle_bound: args.angle_bound.unwrap_or(estimate.angle_bound),
@@ -195,7 +209,9 @@ fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
         Err(FlattenError::Solve { source: error @ SolveError::Unsupported(_), .. }) => {
             Err(Refusal::Combination(error.to_string()))
         }
-        Err(error @ FlattenError::LscmLayout(_)) => Err(Refusal::Combination(error.to_string())),
+        Err(error @ (FlattenError::LscmLayout(_) | FlattenError::DescentLayout(_))) => {
+            Err(Refusal::Combination(error.to_string()))
+        }
         Err(error) => Err(Refusal::Setting(errors::chain(&error))),
     }
 }
@@ -237,8 +253,11 @@ mod tests {
                 .filter(|solver| methods_of(&format!("--solver {solver} --{option} {sample}")).is_ok())
                 .map(SolverKind::name)
                 .collect();
-            let every = concerned.len() == SolverKind::ALL.len() - 1 && !concerned.contains(&"lscm");
-            let expected = if every { "every solver but lscm".to_owned() } else { concerned.join(", ") };
+            let others: Vec<&str> =
+                SolverKind::ALL.into_iter().map(SolverKind::name).filter(|name| !concerned.contains(name)).collect();
+            let most = others.len() <= 2;
+            let expected =
+                if most { format!("every solver but {}", others.join(" and ")) } else { concerned.join(", ") };
             assert_eq!(heading, expected, "--{option}");
         }
     }
@@ -257,7 +276,7 @@ mod tests {
         let methods = methods_of("--solver all --wheel product --layout tree").expect("methods");
         let unsupported: Vec<&str> =
             methods.iter().filter(|m| m.unsupported.is_some()).map(|m| m.pipeline.solver.name()).collect();
-        assert_eq!(unsupported, ["uzawa", "minres", "lscm"]);
+        assert_eq!(unsupported, ["uzawa", "minres", "descent", "lscm"]);
     }
 
     #[test]
@@ -276,8 +295,9 @@ mod tests {
         for solver in SolverKind::ALL {
             let pipeline = Pipeline { solver, ..Pipeline::default() };
             let shown = pipeline.angle_solver().map(|solver| solver.name());
-            assert_eq!(shown.is_some(), finds_angles(solver));
-            assert_eq!(pipeline.newton_settings().is_some(), finds_angles(solver) && !makes_passes(solver), "{solver}");
+            assert_eq!(shown.is_some(), keeps_constraints(solver) && solver != SolverKind::Auto);
+            let has_a_target = keeps_constraints(solver) && !makes_passes(solver);
+            assert_eq!(pipeline.newton_settings().is_some(), has_a_target, "{solver}");
         }
     }
 }

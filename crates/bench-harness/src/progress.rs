@@ -5,6 +5,7 @@ use crate::cancel::Cancel;
 use crate::history::Curves;
 use crate::record::Stages;
 use abf::{Event, Observer, Stage, Verdict};
+use cpu_time::ProcessTime;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};
 use std::sync::LazyLock;
@@ -26,8 +27,12 @@ pub(crate) struct Progress<'a> {
     line: Option<Line>,
     /// When each stage began.
     starts: Vec<(Stage, Instant)>,
+    /// When each rung of a ladder began.
+    rungs: Vec<Instant>,
     /// When the last stage ended.
     end: Option<Instant>,
+    /// What the processors did between the beginning of the first stage and the end of the layout.
+    cpu: Cpu,
     /// The inner curves, if they are wanted.
     curves: Option<Curves>,
 }
@@ -36,7 +41,7 @@ impl<'a> Progress<'a> {
     /// Starts watching work of that name.
     pub(crate) fn new(name: &str, cancel: &'a Cancel) -> Self {
         let line = io::stderr().is_terminal().then(|| Line::new(name));
-        Self { cancel, line, starts: Vec::new(), end: None, curves: None }
+        Self { cancel, line, starts: Vec::new(), rungs: Vec::new(), end: None, cpu: Cpu::default(), curves: None }
     }
 
     /// Collects the curves of inner solves, if `wanted`.
@@ -59,12 +64,13 @@ impl<'a> Progress<'a> {
     /// The last stage is over.
     pub(crate) fn end_stages(&mut self) {
         self.end = Some(Instant::now());
+        self.cpu.stop();
     }
 
     /// How long the stages took.
     pub(crate) fn stages(&self) -> Stages {
         let [topology, solve, layout] = [Stage::Topology, Stage::Solve, Stage::Layout].map(|s| self.seconds(s));
-        Stages { topology, solve, layout, flatten: topology + solve + layout }
+        Stages { topology, solve, layout, flatten: topology + solve + layout, flatten_cpu: self.cpu.seconds }
     }
 
     /// How long the certificate took, in seconds.
@@ -72,11 +78,45 @@ impl<'a> Progress<'a> {
         self.seconds(Stage::Certificate)
     }
 
-    /// How long a stage took, in seconds; 0 if there was none.
+    /// How long each rung of a ladder took, in seconds.
+    pub(crate) fn rungs(&self) -> Vec<f64> {
+        let ends = self.rungs.iter().skip(1).copied().chain([self.end()]);
+        self.rungs.iter().zip(ends).map(|(start, end)| end.duration_since(*start).as_secs_f64()).collect()
+    }
+
+    /// How long a stage took, in seconds, every time it came; 0 if there was none.
     fn seconds(&self, stage: Stage) -> f64 {
-        let Some(k) = self.starts.iter().position(|&(s, _)| s == stage) else { return 0.0 };
-        let end = self.starts.get(k + 1).map(|&(_, start)| start).or(self.end).unwrap_or_else(Instant::now);
-        end.duration_since(self.starts[k].1).as_secs_f64()
+        let ends = self.starts.iter().skip(1).map(|&(_, start)| start).chain([self.end()]);
+        let of_this = self.starts.iter().zip(ends).filter(|((s, _), _)| *s == stage);
+        of_this.map(|((_, start), end)| end.duration_since(*start).as_secs_f64()).sum()
+    }
+
+    fn end(&self) -> Instant {
+        self.end.unwrap_or_else(Instant::now)
+    }
+}
+
+/// Processor time, from the first stage to the one after the layout.
+#[derive(Default)]
+struct Cpu {
+    running: Option<ProcessTime>,
+    seconds: f64,
+}
+
+impl Cpu {
+    fn stage(&mut self, stage: Stage) {
+        match stage {
+            Stage::Topology | Stage::Solve | Stage::Layout => {
+                self.running.get_or_insert_with(ProcessTime::now);
+            }
+            _ => self.stop(),
+        }
+    }
+
+    fn stop(&mut self) {
+        if let Some(begin) = self.running.take() {
+            self.seconds += begin.elapsed().as_secs_f64();
+        }
     }
 }
 
@@ -84,6 +124,7 @@ impl Observer for Progress<'_> {
     fn observe(&mut self, event: Event<'_>) -> Verdict {
         match event {
             Event::StageStarted(stage) => {
+                self.cpu.stage(stage);
                 self.starts.push((stage, Instant::now()));
                 self.say(match stage {
                     Stage::Topology => "topology",
@@ -91,6 +132,11 @@ impl Observer for Progress<'_> {
                     Stage::Certificate => "certificate",
                     _ => "layout",
                 });
+            }
+            Event::RungStarted(_) => {
+                self.rungs.push(Instant::now());
+                // The curves are those of the last solver.
+                self.curves = self.curves.take().map(|_| Curves::default());
             }
             Event::Inner { relative_residual, .. } => {
                 if let Some(curves) = &mut self.curves {

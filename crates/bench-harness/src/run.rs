@@ -62,7 +62,7 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, with_curves: bool, cance
     // What was flattened is a disk.
     let (interior_vertices, boundary_loops) = (Some(flat.interior_vertices), Some(1));
     record.size = Some(Size { interior_vertices, boundary_loops, ..Size::of(&loaded.mesh, None) });
-    record.run = Some(Run::new(&method.pipeline, &flat));
+    record.run = Some(Run::new(&method.pipeline, &flat, &progress.rungs()));
 
     progress.say("metrics");
     let judging = Instant::now();
@@ -85,8 +85,13 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, with_curves: bool, cance
     record.kkt = loaded.kkt().filter(|_| finds_angles(method.pipeline.solver));
     record.hint = advice::next_to_try(&record);
     record.overlap = advice::overlap(&record);
+    record.climb = advice::climb(&record);
+    record.precision = advice::precision(&record);
     let iterations = flat.solution.as_ref().map_or(&[][..], AngleSolution::history);
-    let history = History::new(&loaded.name, solver, iterations, progress.take_curves());
+    // The curves are those of the last rung, which may not be the one whose result this is.
+    let is_last = flat.rungs.last().is_none_or(|rung| rung.solver == flat.solver);
+    let curves = if is_last { progress.take_curves() } else { Vec::new() };
+    let history = History::new(&loaded.name, solver, iterations, curves);
     Flattened { record, uv: Some(flat.uv), history: Some(history), mesh_is_unusable: false }
 }
 

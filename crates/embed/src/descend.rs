@@ -82,6 +82,8 @@ pub struct DescentSolution {
     pub termination: Termination,
     /// Every step.
     pub history: Vec<DescentRecord>,
+    /// The same steps as observers were told of them.
+    pub iterations: Vec<IterationRecord>,
     /// The embedding it started from, where none was given.
     pub tutte: Option<(BoundarySpacing, TutteWeights)>,
     /// Whether the UV area is the area of the surface. If doubles do not hold the drawing at that scale it is the
@@ -125,7 +127,15 @@ impl Descent {
         let termination = run.descend(stop, &mut watch)?;
         let (uv, area_matched) = scaled_to(topology, run.uv, mesh.area());
         let angles = measured(topology, &uv);
-        Ok(DescentSolution { uv, angles, termination, history: run.history, tutte: embedding, area_matched })
+        Ok(DescentSolution {
+            uv,
+            angles,
+            termination,
+            history: run.history,
+            iterations: run.reported,
+            tutte: embedding,
+            area_matched,
+        })
     }
 
     fn check(&self) -> Result<(), EmbedError> {
@@ -186,6 +196,7 @@ struct Run<'p, 'a> {
     uv: Vec<Point2<f64>>,
     angles: Vec<f64>,
     history: Vec<DescentRecord>,
+    reported: Vec<IterationRecord>,
 }
 
 impl<'p, 'a> Run<'p, 'a> {
@@ -201,6 +212,7 @@ impl<'p, 'a> Run<'p, 'a> {
             angles: measured(topology, &uv),
             uv,
             history: Vec::new(),
+            reported: Vec::new(),
         })
     }
 
@@ -279,7 +291,9 @@ impl<'p, 'a> Run<'p, 'a> {
             linear: direction.linear,
         };
         self.history.push(record);
-        watch.iteration(&self.reported(&record));
+        let reported = self.reported(&record);
+        self.reported.push(reported);
+        watch.iteration(&reported);
         found
     }
 

@@ -15,6 +15,7 @@ use faer::linalg::solvers::LltError;
 use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
 use faer::{Par, Side};
+use pulp::Arch;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -151,51 +152,42 @@ impl SingleCholesky {
 
     /// `L Lᵀ x = b`, in place.
     fn solve(&self, x: &mut [f32]) {
-        let rows = rows_of(&self.symbolic);
+        let size = self.scale.len();
         let (parts, top) = x.split_at_mut(self.top_begin);
-        let parts = self.split(parts);
-        if parts.len() > 1 {
-            let additions: Vec<Vec<f32>> = parts
-                .into_par_iter()
-                .map(|(part, x)| {
-                    let mut addition = vec![0.0; top.len()];
-                    let mut scratch = Vec::new();
-                    for block in &self.blocks[part.blocks.clone()] {
-                        self.forward(
-                            block,
-                            rows,
-                            (x, part.columns.start),
-                            (&mut addition, self.top_begin),
-                            &mut scratch,
-                        );
-                    }
-                    addition
-                })
-                .collect();
-            for addition in additions {
-                top.iter_mut().zip(addition).for_each(|(x, a)| *x += a);
-            }
-        } else {
-            let mut scratch = Vec::new();
-            for (part, x) in parts {
-                for block in &self.blocks[part.blocks.clone()] {
-                    self.forward(block, rows, (x, part.columns.start), (top, self.top_begin), &mut scratch);
-                }
-            }
+        let down = |(part, x): (&Part, &mut [f32])| {
+            let mut addition = vec![0.0; top.len()];
+            self.down(part.blocks.clone(), (x, part.columns.start), (&mut addition, self.top_begin));
+            addition
+        };
+        let additions: Vec<Vec<f32>> = self.split(parts).into_par_iter().map(down).collect();
+        for addition in additions {
+            top.iter_mut().zip(addition).for_each(|(x, a)| *x += a);
         }
-        let mut scratch = Vec::new();
-        for block in &self.blocks[self.top.clone()] {
-            self.forward(block, rows, (top, self.top_begin), (&mut [], self.symbolic.pattern.size()), &mut scratch);
-        }
-        for block in self.blocks[self.top.clone()].iter().rev() {
-            self.backward(block, rows, (top, self.top_begin), (&[], self.symbolic.pattern.size()), &mut scratch);
-        }
-        let (parts, top) = x.split_at_mut(self.top_begin);
+        self.down(self.top.clone(), (top, self.top_begin), (&mut [], size));
+        self.up(self.top.clone(), (top, self.top_begin), (&[], size));
         let top = &*top;
         self.split(parts).into_par_iter().for_each(|(part, x)| {
-            let mut scratch = Vec::new();
-            for block in self.blocks[part.blocks.clone()].iter().rev() {
-                self.backward(block, rows, (x, part.columns.start), (top, self.top_begin), &mut scratch);
+            self.up(part.blocks.clone(), (x, part.columns.start), (top, self.top_begin));
+        });
+    }
+
+    /// `L y = x` for some blocks in a row. `own` are the unknowns of their part and `top` the separating
+    /// ones, each with the number of its first.
+    fn down(&self, blocks: Range<usize>, own: (&mut [f32], usize), top: (&mut [f32], usize)) {
+        let (rows, mut sums) = (rows_of(&self.symbolic), Vec::new());
+        Arch::new().dispatch(|| {
+            for block in &self.blocks[blocks] {
+                self.forward(block, rows, (&mut *own.0, own.1), (&mut *top.0, top.1), &mut sums);
+            }
+        });
+    }
+
+    /// `Lᵀ x = y` for some blocks in a row, from the last to the first.
+    fn up(&self, blocks: Range<usize>, own: (&mut [f32], usize), top: (&[f32], usize)) {
+        let (rows, mut gathered) = (rows_of(&self.symbolic), Vec::new());
+        Arch::new().dispatch(|| {
+            for block in self.blocks[blocks].iter().rev() {
+                self.backward(block, rows, (&mut *own.0, own.1), top, &mut gathered);
             }
         });
     }
@@ -214,8 +206,8 @@ impl SingleCholesky {
         &self.values[block.values..block.values + block.columns * block.height()]
     }
 
-    /// `L y = x` for the columns of one block. `own` are the unknowns of its part and `top` the separating
-    /// ones, each with the number of its first.
+    /// `L y = x` for the columns of one block.
+    #[inline(always)]
     fn forward(
         &self,
         block: &Block,
@@ -260,6 +252,7 @@ impl SingleCholesky {
     }
 
     /// `Lᵀ x = y` for the columns of one block.
+    #[inline(always)]
     fn backward(
         &self,
         block: &Block,
@@ -362,6 +355,7 @@ fn rows_of(symbolic: &SymbolicCholesky) -> &[u32] {
 }
 
 /// In eight sums, always the same ones: fast, and the same bits every time.
+#[inline(always)]
 fn dot(a: &[f32], b: &[f32]) -> f32 {
     const LANES: usize = 8;
     let mut sums = [0.0_f32; LANES];

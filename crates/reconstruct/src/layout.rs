@@ -177,6 +177,20 @@ fn place(topology: &Topology, angles: &[f64], pins: Pins, settings: &LayoutSetti
     }
 }
 
+/// Moves, turns and scales a drawing that was not laid out here as every layout is: pins on the x-axis, triangles
+/// counter-clockwise, the area of the surface. `None` without a boundary, and when a coordinate is not finite.
+///
+/// All of that rounds: who needs the signs of the smallest triangles looks at them again.
+///
+/// # Panics
+/// If there is not one point per vertex.
+#[must_use]
+pub fn aligned(mesh: &TriMesh, topology: &Topology, points: &[Point2<f64>]) -> Option<UvMap> {
+    assert_eq!(points.len(), mesh.vertex_count(), "one point per vertex");
+    let z: Vec<Complex64> = points.iter().map(|p| Complex64::new(p.x, p.y)).collect();
+    finish(mesh, topology, &z, Pins::far_apart(mesh, topology)?)
+}
+
 /// Moves, turns and scales: pins on the x-axis, triangles counter-clockwise, the area of the
 /// surface. `None` when a coordinate is not finite.
 fn finish(mesh: &TriMesh, topology: &Topology, z: &[Complex64], pins: Pins) -> Option<UvMap> {

@@ -7,15 +7,14 @@
 
 use abf_linalg::Complex64;
 use abf_mesh::{CornerId, FaceId, Topology};
+use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 
 /// The edge vectors of every triangle, each triangle having the shape its angles say.
 pub(crate) struct EdgeVectors {
-    /// Per face the edge facing its corner 0: log of the length, direction in radians.
-    base: Vec<(f64, f64)>,
-    /// Per corner: the angle, and the logarithm of its sine.
-    corners: Vec<(f64, f64)>,
+    /// Per corner the edge facing it: log of the length, direction in radians.
+    edges: Vec<(f64, f64)>,
     /// Faces in the order they were reached, with the corner facing the edge they were entered by.
     visits: Vec<CornerId>,
     /// The largest disagreement, in log length or direction, between the two sides of an edge.
@@ -25,35 +24,37 @@ pub(crate) struct EdgeVectors {
 impl EdgeVectors {
     /// Integrates over a breadth-first tree of the dual graph, from face 0.
     pub(crate) fn integrate(topology: &Topology, angles: &[f64]) -> Self {
-        let corners: Vec<(f64, f64)> = angles.iter().map(|x| (*x, x.sin().ln())).collect();
-        let mut base = vec![(f64::NAN, 0.0); topology.face_count()];
+        let corners: Vec<(f64, f64)> = angles.par_iter().map(|x| (*x, x.sin().ln())).collect();
+        let mut edges = vec![(f64::NAN, 0.0); angles.len()];
         let mut visits = Vec::with_capacity(topology.face_count());
         let mut reached = vec![false; topology.face_count()];
         let mut queue = VecDeque::from([CornerId::new(0)]);
-        base[0] = (0.0, 0.0);
+        edges[0] = (0.0, 0.0);
         reached[0] = true;
         while let Some(entry) = queue.pop_front() {
             visits.push(entry);
+            // The edge of the entry is known; the other two follow from it.
+            for c in [entry, entry.next()] {
+                edges[c.next().index()] = next_edge(&corners, c, edges[c.index()]);
+            }
             for c in entry.face().corners() {
                 let Some(other) = topology.opposite(c) else { continue };
-                let neighbour = other.face().index();
-                if !reached[neighbour] {
-                    reached[neighbour] = true;
-                    base[neighbour] = base_from(&corners, other, reverse(edge(&base, &corners, c)));
+                if !std::mem::replace(&mut reached[other.face().index()], true) {
+                    edges[other.index()] = reverse(edges[c.index()]);
                     queue.push_back(other);
                 }
             }
         }
-        let closing_error = closing_error(topology, &corners, &base);
+        let closing_error = closing_error(topology, angles, &edges);
         // The longest edge gets length 1, so that nothing overflows.
-        let longest = topology.corners().map(|c| edge(&base, &corners, c).0).fold(f64::NEG_INFINITY, f64::max);
-        base.iter_mut().for_each(|(log_length, _)| *log_length -= longest);
-        Self { base, corners, visits, closing_error }
+        let longest = edges.par_iter().map(|edge| edge.0).reduce(|| f64::NEG_INFINITY, f64::max);
+        edges.par_iter_mut().for_each(|(log_length, _)| *log_length -= longest);
+        Self { edges, visits, closing_error }
     }
 
     /// The vector of the edge facing a corner, from its `next` to its `prev` vertex.
     pub(crate) fn vector(&self, corner: CornerId) -> Complex64 {
-        let (log_length, direction) = edge(&self.base, &self.corners, corner);
+        let (log_length, direction) = self.edges[corner.index()];
         Complex64::from_polar(log_length.exp(), direction)
     }
 
@@ -67,28 +68,17 @@ impl EdgeVectors {
                 z[v] = at;
             }
         };
-        for &entry in &self.visits {
+        let steps: Vec<Complex64> = self.visits.par_iter().map(|entry| self.vector(entry.next())).collect();
+        for (&entry, step) in self.visits.iter().zip(steps) {
             if entry == self.visits[0] {
                 put(&mut z, entry.next(), Complex64::default());
                 put(&mut z, entry.prev(), self.vector(entry));
             }
             let from = z[topology.vertex(entry.prev()).index()];
-            put(&mut z, entry, from + self.vector(entry.next()));
+            put(&mut z, entry, from + step);
         }
         z
     }
-}
-
-/// Log length and direction of the edge facing `corner`, from those of its face's base edge.
-fn edge(base: &[(f64, f64)], corners: &[(f64, f64)], corner: CornerId) -> (f64, f64) {
-    let first = corner.face().corner(0);
-    let mut at = base[corner.face().index()];
-    let mut c = first;
-    while c != corner {
-        at = next_edge(corners, c, at);
-        c = c.next();
-    }
-    at
 }
 
 /// From the edge facing `c` to the one facing `next(c)`: the sine rule for the length, and a left
@@ -103,35 +93,25 @@ fn reverse((log_length, direction): (f64, f64)) -> (f64, f64) {
     (log_length, wrap(direction + PI))
 }
 
-/// The base edge of a face whose edge facing `corner` is known.
-fn base_from(corners: &[(f64, f64)], corner: CornerId, known: (f64, f64)) -> (f64, f64) {
-    let mut at = known;
-    let mut c = corner;
-    while c.place() != 0 {
-        at = next_edge(corners, c, at);
-        c = c.next();
-    }
-    at
-}
-
 /// Into `[−π, π]`.
 fn wrap(direction: f64) -> f64 {
     direction - TAU * (direction / TAU).round()
 }
 
-fn closing_error(topology: &Topology, corners: &[(f64, f64)], base: &[(f64, f64)]) -> f64 {
-    let mismatch = |c: CornerId| {
-        let other = topology.opposite(c)?;
-        let (here, there) = (edge(base, corners, c), reverse(edge(base, corners, other)));
-        Some((here.0 - there.0).abs().max(wrap(here.1 - there.1).abs()))
+fn closing_error(topology: &Topology, angles: &[f64], edges: &[(f64, f64)]) -> f64 {
+    let mismatch = |f: usize| {
+        let corners = FaceId::new(f).corners();
+        // Each edge from one of its sides.
+        let sides = corners.into_iter().filter_map(|c| Some((c, topology.opposite(c).filter(|o| c < *o)?)));
+        let apart = sides.map(|(c, other)| {
+            let (here, there) = (edges[c.index()], reverse(edges[other.index()]));
+            (here.0 - there.0).abs().max(wrap(here.1 - there.1).abs())
+        });
+        // The turns inside a triangle close only if its angles sum to π.
+        let sum = corners.map(|c| angles[c.index()]).iter().sum::<f64>();
+        apart.fold((sum - PI).abs(), f64::max)
     };
-    // Each edge from one of its sides.
-    let once = |c: &CornerId| topology.opposite(*c).is_some_and(|o| *c < o);
-    let edges = topology.corners().filter(once).filter_map(mismatch);
-    // The turns inside a triangle close only if its angles sum to π.
-    let triangles =
-        topology.faces().map(|f: FaceId| (f.corners().map(|c| corners[c.index()].0).iter().sum::<f64>() - PI).abs());
-    edges.chain(triangles).fold(0.0, f64::max)
+    (0..topology.face_count()).into_par_iter().map(mismatch).reduce(|| 0.0, f64::max)
 }
 
 #[cfg(test)]

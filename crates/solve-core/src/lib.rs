@@ -48,4 +48,4 @@ pub use reduced::ReducedSystem;
 pub use schur::{ConstraintProducts, SchurComplement};
 pub use solution::{AngleSolution, Fallback, IterationRecord, Termination};
 pub use solver::{AngleSolver, SolveError};
-pub use stop::StopCriteria;
+pub use stop::{StopCriteria, TimeBudget};

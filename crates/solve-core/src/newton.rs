@@ -299,6 +299,7 @@ impl<'p, 'a> Run<'p, 'a> {
         let accepted = self.choose_length(here, &out);
         let record = IterationRecord {
             step: out.delta.iter().fold(0.0, |max: f64, d| max.max(d.abs())),
+            inner_tolerance: Some(tolerance),
             inner_iterations: report.iterations,
             inner_residual: report.relative_residual,
             inner_estimate: report.estimate,

@@ -23,6 +23,8 @@ pub enum Stage {
 pub enum Event<'a> {
     /// A stage begins; the one before it has ended.
     StageStarted(Stage),
+    /// The next solver of a ladder begins, by its name; its stages follow.
+    RungStarted(&'static str),
     /// An outer iteration, or a pass of LinABF, is done.
     Iteration(&'a IterationRecord),
     /// An inner iteration, or one part of a direct solve, is done.

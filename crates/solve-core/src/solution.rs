@@ -61,6 +61,9 @@ pub struct IterationRecord {
     pub constraint_residual: f64,
     /// `max |δ|` of the full step, rad.
     pub step: f64,
+    /// What its linear solve was asked for; `None` for a solve that is always exact. LinABF: the largest
+    /// linearised constraint that may be left, `max |h + J e|`; otherwise a relative residual.
+    pub inner_tolerance: Option<f64>,
     /// Inner iterations it took (refinement steps of a direct solve).
     pub inner_iterations: usize,
     /// `‖b − Ax‖ / ‖b‖` of its linear solve.

@@ -47,6 +47,34 @@ impl StopCriteria {
     }
 }
 
+/// One time limit for several solves in a row.
+#[derive(Clone, Copy, Debug)]
+pub struct TimeBudget {
+    stop: StopCriteria,
+    deadline: Option<Instant>,
+}
+
+impl TimeBudget {
+    /// Starts the clock, if there is a limit.
+    #[must_use]
+    pub fn start(stop: &StopCriteria) -> Self {
+        Self { stop: *stop, deadline: stop.deadline() }
+    }
+
+    /// The criteria for the next solve: the same, with the time that is left.
+    #[must_use]
+    pub fn left(&self) -> StopCriteria {
+        let time_limit = self.deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
+        StopCriteria { time_limit, ..self.stop }
+    }
+
+    /// Whether no time is left.
+    #[must_use]
+    pub fn is_spent(&self) -> bool {
+        self.left().time_limit.is_some_and(|left| left.is_zero())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,5 +85,15 @@ mod tests {
         assert_eq!(e.to_string(), "tolerance must be positive and finite, got -1");
         assert!(StopCriteria { max_iterations: 0, ..StopCriteria::default() }.check().is_err());
         assert!(StopCriteria::default().check().is_ok());
+    }
+
+    #[test]
+    fn solves_in_a_row_share_their_time() {
+        let without = TimeBudget::start(&StopCriteria::default());
+        assert!(without.left().time_limit.is_none() && !without.is_spent());
+        let of = |limit| TimeBudget::start(&StopCriteria { time_limit: Some(limit), ..StopCriteria::default() });
+        assert!(of(Duration::ZERO).is_spent());
+        let hour = of(Duration::from_secs(3600));
+        assert!(!hour.is_spent() && hour.left().time_limit <= Some(Duration::from_secs(3600)));
     }
 }

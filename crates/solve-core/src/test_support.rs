@@ -45,6 +45,11 @@ impl Planted {
         }
     }
 
+    /// The angles that `J` belongs to: `Λ = 2/x²`.
+    pub(crate) fn angles(&self) -> Vec<f64> {
+        self.gauss_newton.iter().map(|l| (2.0 / l).sqrt()).collect()
+    }
+
     /// `J`, dense.
     pub(crate) fn jacobian(&self) -> DMatrix<f64> {
         let mut jacobian = Jacobian::new(&self.topology, &self.rows);

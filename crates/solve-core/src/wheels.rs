@@ -301,3 +301,52 @@ pub(crate) fn back_substitute(
         }
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_support::{Planted, apart, wave};
+    use crate::{KktSystem, ReducedSystem};
+    use abf_linalg::LinOp;
+
+    /// The four blocks, by spokes, against the assembled matrix: the same product, whatever the order of
+    /// the unknowns.
+    #[test]
+    fn the_blocks_are_those_of_the_assembled_system() {
+        let planted = Planted::new(300);
+        let kkt = planted.kkt();
+        let kkt = KktSystem { lambda: kkt.gauss_newton, ..kkt };
+        let rows = kkt.rows;
+        let ni = rows.interior_count();
+        let inverse: Vec<f64> = kkt.lambda.iter().map(|l| 1.0 / l).collect();
+        let spokes = Spokes::new(kkt.topology, rows);
+        let mut blocks = [(); 4].map(|()| Block::zeros(rows));
+        let [a, b, c, d] = &mut blocks;
+        vertex_block(rows, &inverse, a);
+        wheel_blocks(rows, &inverse, kkt.wheel, [b, c, d]);
+        let (mut v, mut w) = (wave(ni + 1), wave(2 * ni)[ni - 1..].to_vec());
+        (v[ni], w[ni]) = (0.0, 0.0);
+        let mut given = [vec![0.0; ni], vec![0.0; ni]];
+        let right = Given { inverse: &inverse, gradient: kkt.gradient, residual: kkt.residual, wheel: kkt.wheel };
+        right_hand_side(rows, &right, given.each_mut().map(|x| &mut x[..]));
+        let [a, b, c, d] = &blocks;
+        let (mut top, mut bottom) = (vec![0.0; ni], vec![0.0; ni]);
+        spokes.residual(rows, &given[0], (a, &v), (b, &w), &mut top);
+        spokes.residual(rows, &given[1], (c, &v), (d, &w), &mut bottom);
+
+        let system = ReducedSystem::new(kkt.topology, rows).expect("fits");
+        let mut matrix = SymmetricMatrix::zeros(Arc::clone(system.pattern()));
+        let mut rhs = vec![0.0; matrix.size()];
+        system.assemble(&kkt, &mut matrix, &mut rhs);
+        let mut x = vec![0.0; rhs.len()];
+        for i in 0..ni {
+            (x[system.unknown(i)], x[system.unknown(i) + 1]) = (v[i], w[i]);
+        }
+        let mut product = vec![0.0; rhs.len()];
+        matrix.apply(&x, &mut product);
+        let left = |part: usize| -> Vec<f64> {
+            (0..ni).map(|i| system.unknown(i) + part).map(|u| rhs[u] - product[u]).collect()
+        };
+        assert!(apart(&top, &left(0)) < 1e-11 && apart(&bottom, &left(1)) < 1e-11);
+    }
+}

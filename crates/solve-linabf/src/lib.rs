@@ -203,7 +203,8 @@ impl<'p, 'a> Run<'p, 'a> {
         }
         let moved_angles = if self.history.is_empty() { self.problem.moved_angles() } else { moved };
         let before = largest(&self.residual);
-        let (report, correction) = self.correction(before, stop, watch)?;
+        let target = self.target(before, stop);
+        let (report, correction) = self.correction(target, watch)?;
 
         let step = correction.iter().fold(0.0, |max: f64, e| max.max(e.abs()));
         self.angles.iter_mut().zip(&correction).for_each(|(x, e)| *x += e);
@@ -213,6 +214,7 @@ impl<'p, 'a> Run<'p, 'a> {
             iteration: self.history.len() + 1,
             constraint_residual: self.constraint_residual(),
             step,
+            inner_tolerance: matches!(self.inner, Inner::Inexact(_)).then_some(target),
             inner_iterations: report.iterations,
             inner_residual: report.relative_residual,
             inner_estimate: report.estimate,
@@ -228,13 +230,7 @@ impl<'p, 'a> Run<'p, 'a> {
     }
 
     /// The least-norm correction `e` of the angles: `J e = −h`.
-    fn correction(
-        &mut self,
-        before: f64,
-        stop: &StopCriteria,
-        watch: &mut Watch<'_>,
-    ) -> Result<(StepReport, Vec<f64>), StepError> {
-        let target = self.target(before, stop);
+    fn correction(&mut self, target: f64, watch: &mut Watch<'_>) -> Result<(StepReport, Vec<f64>), StepError> {
         let mut out = KktVector::default();
         let (topology, rows) = (self.problem.topology(), self.problem.rows());
         match &mut self.inner {

@@ -197,6 +197,6 @@ pub(crate) fn seconds(x: f64) -> String {
 }
 
 /// A number of a paper, or a dash.
-pub(crate) fn or_dash(value: Option<f64>, show: impl Fn(f64) -> String) -> String {
+pub(crate) fn or_dash<T>(value: Option<T>, show: impl Fn(T) -> String) -> String {
     value.map_or_else(|| "–".to_owned(), show)
 }

@@ -17,7 +17,9 @@ const AUTO: &str = "auto";
 /// A threshold that is none.
 const OFF: &str = "off";
 
-const LINABF: &str = "Options of linabf";
+const PASSES: &str = "Options of auto, linabf";
+const BARRIER: &str = "Options of auto, descent";
+const CONSTRAINTS: &str = "Options of every solver but descent and lscm";
 const ANGLES: &str = "Options of every solver but lscm";
 const NEWTON: &str = "Options of abf, abf++, abf-newton, abf-fixed-target, uzawa, minres";
 const ITERATIVE: &str = "Options of uzawa, minres";
@@ -43,24 +45,28 @@ pub(crate) struct MethodArgs {
     pub(crate) max_memory: Option<MemorySize>,
 
     /// Start rings whose angle deficit is above T rad from their target angles; off: none [default: 1]
-    #[arg(long, value_name = "T|off", help_heading = ANGLES)]
+    #[arg(long, value_name = "T|off", help_heading = CONSTRAINTS)]
     pub(crate) ring_switch: Option<RingSwitch>,
     /// Start, and every pass of linabf again, from angles of at least B and at most π − B, rad [default: 0.001]
-    #[arg(long, value_name = "B", help_heading = ANGLES)]
+    #[arg(long, value_name = "B", help_heading = CONSTRAINTS)]
     pub(crate) angle_bound: Option<f64>,
     /// Converged means a constraint residual of at most T, rad [default: 1e-8]
-    #[arg(long, value_name = "T", help_heading = ANGLES)]
+    #[arg(long, value_name = "T", help_heading = CONSTRAINTS)]
     pub(crate) tolerance: Option<f64>,
-    /// At most N outer iterations; of linabf passes, with --passes auto [default: 50]
+    /// At most N outer iterations; of linabf passes, with --passes auto; of auto each rung [default: 50]
     #[arg(long, value_name = "N", help_heading = ANGLES)]
     pub(crate) max_iterations: Option<usize>,
-    /// Stop the solver after so long and lay out what it has
+    /// Stop after so long, all rungs of auto together, and lay out what there is
     #[arg(long, value_name = "SECONDS", help_heading = ANGLES)]
     pub(crate) time_limit: Option<f64>,
 
     /// How many passes to make: a number, or auto: until the constraints are met [default: auto]
-    #[arg(long, value_name = "N|auto", help_heading = LINABF)]
+    #[arg(long, value_name = "N|auto", help_heading = PASSES)]
     pub(crate) passes: Option<Passes>,
+
+    /// The last weight of the barrier that keeps triangles usable, in units of energy per corner [default: 0.001]
+    #[arg(long, value_name = "M", help_heading = BARRIER)]
+    pub(crate) barrier_floor: Option<f64>,
 
     /// The form of the wheel condition [default: product for abf and abf++, else log]
     #[arg(long, value_name = "FORM", help_heading = NEWTON, value_parser = one_of::<WheelForm, _>(["product", "log"]))]

@@ -86,8 +86,8 @@ pub(crate) struct FlattenArgs {
     /// The meshes: obj, off, ply or stl. None: the built-in face of 20 000 triangles
     #[arg(value_name = "MESH")]
     pub(crate) meshes: Vec<PathBuf>,
-    /// The method: linabf, abf, abf++, abf-newton, abf-fixed-target, uzawa, minres or lscm; several
-    /// with commas, or all, are compared
+    /// The method: auto (linabf, abf-fixed-target, descent in turn, until a result is proved valid), linabf, abf, abf++,
+    /// abf-newton, abf-fixed-target, uzawa, minres, descent or lscm; several with commas, or all, are compared
     #[arg(long, value_name = "NAME|all", default_value_t)]
     pub(crate) solver: SolverChoice,
     /// Its settings.
@@ -233,6 +233,7 @@ mod tests {
             iterative.reduction.to_string(),
             iterative.preconditioner.to_string(),
             iterative.max_inner_iterations.to_string(),
+            abf::Descent::default().barrier_floor.to_string(),
         ] {
             assert!(help.contains(&format!("[default: {text}]")), "{text}: {help}");
         }
@@ -243,7 +244,7 @@ mod tests {
         let mut command = Args::command();
         let argument = command.get_arguments().find(|argument| argument.get_id() == "solver").expect("--solver");
         let help = argument.get_help().expect("help").to_string();
-        let words: Vec<&str> = help.split([' ', ',', ';']).collect();
+        let words: Vec<&str> = help.split([' ', ',', ';', '\n']).collect();
         assert!(names(&SolverKind::ALL).iter().all(|name| words.contains(name)), "{help}");
         command.build();
     }

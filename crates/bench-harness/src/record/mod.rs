@@ -11,7 +11,7 @@ use crate::methods::NotRun;
 use abf::{KktCounts, WheelForm, constraints::ConstraintRows};
 use abf_mesh::{Topology, TriMesh};
 pub(crate) use quality::Quality;
-pub(crate) use run::Run;
+pub(crate) use run::{Run, Rung};
 use serde::{Serialize, Serializer};
 pub(crate) use settings::Asked;
 use std::fmt;
@@ -51,6 +51,12 @@ pub(crate) struct Record {
     /// What is said of overlaps; the figures are in the JSON anyway.
     #[serde(skip)]
     pub(crate) overlap: Option<String>,
+    /// What is said of the rungs of `auto`, likewise.
+    #[serde(skip)]
+    pub(crate) climb: Option<String>,
+    /// What is said of the precision of doubles, likewise.
+    #[serde(skip)]
+    pub(crate) precision: Option<String>,
     /// Where the time went.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) timings_s: Option<Timings>,
@@ -203,4 +209,11 @@ pub(crate) fn pretty(document: &impl Serialize) -> String {
 
 fn as_text<S: Serializer>(value: &impl fmt::Display, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_str(value)
+}
+
+fn as_optional_text<S: Serializer>(value: &Option<impl fmt::Display>, serializer: S) -> Result<S::Ok, S::Error> {
+    match value {
+        Some(value) => as_text(value, serializer),
+        None => serializer.serialize_none(),
+    }
 }

@@ -1,7 +1,11 @@
 //! What the solver and the layout did.
 
-use super::{Asked, as_text};
-use abf::{AngleSolution, Flattening, Hessian, IterationRecord, LayoutKind, Pipeline, Termination, WheelForm};
+use super::{Asked, as_optional_text, as_text};
+use crate::errors::chain;
+use abf::{
+    AngleSolution, Flattening, Hessian, IterationRecord, LayoutKind, Pipeline, RungReport, SolverKind, Termination,
+    WheelForm,
+};
 use serde::Serialize;
 
 /// What was asked of the solver and the layout, and what they did.
@@ -11,6 +15,12 @@ use serde::Serialize;
 pub(crate) struct Run {
     /// What it was asked.
     pub(crate) settings: Asked,
+    /// Whose result it is: with `auto` the solver it came to.
+    #[serde(serialize_with = "as_text")]
+    pub(crate) solved_by: SolverKind,
+    /// What `auto` tried, in order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) rungs: Vec<Rung>,
     /// How it ended.
     #[serde(serialize_with = "as_text")]
     pub(crate) termination: Termination,
@@ -41,28 +51,94 @@ pub(crate) struct Run {
     pub(crate) moved_angles: usize,
     /// Rings that started from their target angles.
     pub(crate) switched_rings: usize,
-    /// The layout that was used; never `auto`.
-    #[serde(serialize_with = "as_text")]
-    pub(crate) layout: LayoutKind,
+    /// The layout that was used; never `auto`. `None` for the descent, whose unknowns are the UVs.
+    #[serde(serialize_with = "as_optional_text")]
+    pub(crate) layout: Option<LayoutKind>,
     /// The largest disagreement between the two sides of an edge; `None` where nothing was
     /// integrated.
     pub(crate) closing_error: Option<f64>,
+    /// Whether the first pin is at the origin and the second on the positive x-axis.
+    pub(crate) pinned: bool,
+    /// Whether the UVs have the scale that was asked for.
+    pub(crate) scaled: bool,
+    /// How near the UVs are to what doubles can hold; `None` where there is room to spare.
+    pub(crate) precision_limits: Option<Limits>,
+}
+
+/// What one solver of the ladder came to.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Rung {
+    /// Which solver.
+    #[serde(serialize_with = "as_text")]
+    pub(crate) solver: SolverKind,
+    /// How it ended; `None` when it found nothing.
+    #[serde(serialize_with = "as_optional_text")]
+    pub(crate) termination: Option<Termination>,
+    /// Passes, iterations or steps.
+    pub(crate) iterations: usize,
+    /// Whether its UVs are valid.
+    pub(crate) valid: bool,
+    /// Its flipped triangles.
+    pub(crate) flips: usize,
+    /// Its collapsed triangles.
+    pub(crate) collapsed: usize,
+    /// Interior vertices that are wound around twice.
+    pub(crate) wound: usize,
+    /// `F / 3nt` of its UVs, rad²; `None` where there was nothing to compare it with.
+    pub(crate) f: Option<f64>,
+    /// How long it took with its layout and its certificate, seconds.
+    pub(crate) time_s: f64,
+    /// Why it found nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) error: Option<String>,
+}
+
+impl Rung {
+    fn new(report: &RungReport, time_s: f64) -> Self {
+        Self {
+            solver: report.solver,
+            termination: report.termination,
+            iterations: report.iterations,
+            valid: report.valid,
+            flips: report.flips,
+            collapsed: report.collapsed,
+            wound: report.wound,
+            f: report.f,
+            time_s,
+            error: report.error.as_ref().map(|error| chain(error)),
+        }
+    }
+}
+
+/// Why double precision is what UVs suffer from: see [`abf::PrecisionLimits`].
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Limits {
+    /// Triangles that another rounding could turn over.
+    pub(crate) near_collapsed: usize,
+    /// Triangles that the descent held in place.
+    pub(crate) held_faces: usize,
+    /// How much more lengths shrink in one place than in another.
+    pub(crate) spread: f64,
 }
 
 impl Run {
-    /// The report of a flattening.
-    pub(crate) fn new(pipeline: &Pipeline, flat: &Flattening) -> Self {
+    /// The report of a flattening; the rungs took so long.
+    pub(crate) fn new(pipeline: &Pipeline, flat: &Flattening, rung_seconds: &[f64]) -> Self {
         let solution = flat.solution.as_ref();
         let history = solution.map_or(&[][..], AngleSolution::history);
         let last = history.last();
         let settings = Asked::new(pipeline);
+        let has_a_fixed_target = !matches!(flat.solver, SolverKind::LinAbf | SolverKind::Lscm);
+        let seconds = rung_seconds.iter().copied().chain(std::iter::repeat(0.0));
         let is_diagonal = (settings.wheel, settings.hessian) != (Some(WheelForm::Product), Some(Hessian::Exact));
         Self {
             settings,
+            solved_by: flat.solver,
+            rungs: flat.rungs.iter().zip(seconds).map(|(rung, time_s)| Rung::new(rung, time_s)).collect(),
             termination: flat.termination,
             constraint_residual: solution.map(AngleSolution::constraint_residual),
             angles_out_of_range: solution.map(AngleSolution::angles_out_of_range),
-            energy: solution.filter(|_| pipeline.newton_settings().is_some()).map(AngleSolution::energy),
+            energy: solution.filter(|_| has_a_fixed_target).map(AngleSolution::energy),
             iterations: solution.map_or(0, AngleSolution::iterations),
             inner_iterations: solution.map_or(0, AngleSolution::inner_iterations),
             inner_residual: last.map(|record| record.inner_residual),
@@ -75,6 +151,13 @@ impl Run {
             switched_rings: flat.switched_rings,
             layout: flat.layout.kind,
             closing_error: flat.layout.closing_error,
+            pinned: flat.layout.pinned,
+            scaled: flat.layout.scaled,
+            precision_limits: flat.precision_limits.map(|limits| Limits {
+                near_collapsed: limits.near_collapsed,
+                held_faces: limits.held_faces,
+                spread: limits.spread,
+            }),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The settings of a run, as they are in the JSON.
 
-use super::as_text;
+use super::{as_optional_text, as_text};
 use crate::args::InnerAccuracy;
-use crate::methods::{finds_angles, iterates_inside, makes_passes};
+use crate::methods::{has_a_barrier, iterates_inside, keeps_constraints, makes_passes};
 use abf::solve_core::InnerTolerance;
 use abf::{Hessian, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, WheelForm};
 use serde::{Serialize, Serializer};
@@ -33,6 +33,8 @@ pub(crate) struct Asked {
     /// Relative; a number or `"auto"`.
     #[serde(serialize_with = "accuracy_as_number_or_text")]
     pub(crate) inner_tolerance: Option<InnerAccuracy>,
+    /// The last weight of the descent's barrier, in units of energy per corner.
+    pub(crate) barrier_floor: Option<f64>,
     /// Which layout; `auto` where the program may choose.
     #[serde(serialize_with = "as_text")]
     pub(crate) layout: LayoutKind,
@@ -50,9 +52,9 @@ pub(crate) struct Asked {
     pub(crate) normalize: bool,
     /// Threads in use.
     pub(crate) threads: usize,
-    /// Whether these settings find angles at all: not in the JSON, where the solver's name says it.
+    /// Whether these settings keep angles to constraints: not in the JSON, where the solver's name says it.
     #[serde(skip)]
-    pub(crate) finds_angles: bool,
+    pub(crate) keeps_constraints: bool,
 }
 
 impl Asked {
@@ -70,6 +72,7 @@ impl Asked {
             preconditioner: iterative.map(|iterative| iterative.preconditioner),
             max_inner_iterations: iterative.map(|iterative| iterative.max_inner_iterations),
             inner_tolerance: iterative.map(|_| InnerAccuracy(pipeline.inner_tolerance)),
+            barrier_floor: has_a_barrier(solver).then_some(pipeline.descent.barrier_floor),
             layout: pipeline.layout.kind,
             ring_switch: pipeline.estimate.ring_switch,
             angle_bound: pipeline.estimate.angle_bound,
@@ -78,15 +81,8 @@ impl Asked {
             time_limit_s: pipeline.stop.time_limit.map(|limit| limit.as_secs_f64()),
             normalize: pipeline.normalize,
             threads: rayon::current_num_threads(),
-            finds_angles: finds_angles(solver),
+            keeps_constraints: keeps_constraints(solver),
         }
-    }
-}
-
-fn as_optional_text<S: Serializer>(value: &Option<impl std::fmt::Display>, serializer: S) -> Result<S::Ok, S::Error> {
-    match value {
-        Some(value) => as_text(value, serializer),
-        None => serializer.serialize_none(),
     }
 }
 

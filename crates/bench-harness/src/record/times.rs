@@ -31,6 +31,8 @@ pub(crate) struct Stages {
     pub(crate) layout: f64,
     /// All three: what solvers are compared by.
     pub(crate) flatten: f64,
+    /// The processor time of all three, over all threads.
+    pub(crate) flatten_cpu: f64,
 }
 
 /// The times of runs that were made several times.
@@ -73,6 +75,7 @@ impl Spread {
                 solve: stage(|s| s.solve),
                 layout: stage(|s| s.layout),
                 flatten: stage(|s| s.flatten),
+                flatten_cpu: stage(|s| s.flatten_cpu),
             }
         };
         Self { median: each(median), min: each(|sorted| sorted[0]), max: each(|sorted| sorted[sorted.len() - 1]) }
@@ -90,9 +93,10 @@ mod tests {
 
     #[test]
     fn the_spread_is_taken_stage_by_stage() {
-        let run = |solve, layout| Stages { topology: 1.0, solve, layout, flatten: 1.0 + solve + layout };
+        let run =
+            |solve, layout| Stages { topology: 1.0, solve, layout, flatten: 1.0 + solve + layout, flatten_cpu: 0.0 };
         let spread = Spread::of(&[run(5.0, 1.0), run(2.0, 2.0), run(3.0, 9.0)]);
-        assert_eq!(spread.median, Stages { topology: 1.0, solve: 3.0, layout: 2.0, flatten: 7.0 });
+        assert_eq!(spread.median, Stages { topology: 1.0, solve: 3.0, layout: 2.0, flatten: 7.0, flatten_cpu: 0.0 });
         assert_eq!((spread.min.solve, spread.max.layout), (2.0, 9.0));
         assert_eq!(Spread::of(&[run(5.0, 1.0), run(2.0, 2.0)]).median.solve, 3.5);
         assert_eq!(Spread::of(&[run(5.0, 1.0)]).median, run(5.0, 1.0));

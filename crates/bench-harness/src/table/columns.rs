@@ -44,6 +44,7 @@ impl<R> Column<R> {
 pub(crate) const MESHES: &[Column] = &[
     MESH,
     TRIANGLES,
+    BY.optional(),
     RESULT,
     OUTER.optional(),
     INNER.optional(),
@@ -63,6 +64,7 @@ pub(crate) const MESHES: &[Column] = &[
 /// One mesh, several solvers.
 pub(crate) const SOLVERS: &[Column] = &[
     SOLVER,
+    BY.optional(),
     RESULT,
     OUTER,
     INNER,
@@ -81,6 +83,7 @@ pub(crate) const SOLVERS: &[Column] = &[
 /// One mesh, several solvers, several runs.
 pub(crate) const REPEATS: &[Column] = &[
     SOLVER,
+    BY.optional(),
     RESULT,
     OUTER,
     INNER,
@@ -102,6 +105,7 @@ pub(crate) const REPEATS: &[Column] = &[
 
 /// One mesh on a page, which names mesh and solver and counts flips by itself.
 pub(crate) const PAGE: &[Column] = &[
+    BY.optional(),
     RESULT,
     OUTER,
     INNER,
@@ -129,6 +133,7 @@ pub(crate) const COMPARISON: &[Column] = &[
     MESH,
     TRIANGLES,
     SOLVER,
+    BY.optional(),
     RESULT,
     OUTER,
     INNER,
@@ -171,7 +176,11 @@ const INNER_RESIDUAL: Column =
 const NEGATIVE: Column =
     Column::number("negative", "negative_curvature", |r| run(r, |run| run.negative_curvature.map(Cell::Count)));
 const FALLBACKS: Column = Column::number("fallbacks", "fallbacks", |r| run(r, |run| run.fallbacks.map(Cell::Count)));
-const LAYOUT: Column = Column::text("layout", "layout", |r| run(r, |run| Some(Cell::Text(run.layout.to_string()))));
+const LAYOUT: Column =
+    Column::text("layout", "layout", |r| run(r, |run| run.layout.map(|kind| Cell::Text(kind.to_string()))));
+const BY: Column = Column::text("by", "solved_by", |r| {
+    run(r, |run| (!run.rungs.is_empty()).then(|| Cell::Text(run.solved_by.to_string())))
+});
 const FLIPS: Column = Column::number("flips", "flips", |r| metrics(r, |m| Cell::Count(m.flips)));
 const COLLAPSED: Column = Column::number("collapsed", "collapsed", |r| metrics(r, |m| Cell::Count(m.collapsed)));
 const WOUND: Column = Column::number("wound", "wound", |r| metrics(r, |m| Cell::Count(m.wound)));

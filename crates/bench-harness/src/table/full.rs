@@ -70,9 +70,12 @@ fn run_lines(solver: &str, run: &Run) -> Vec<(&'static str, String)> {
 fn solver_line(solver: &str, run: &Run) -> String {
     let asked = &run.settings;
     let mut parts = vec![solver.to_owned()];
+    if !run.rungs.is_empty() {
+        parts.push(format!("by {}", run.solved_by));
+    }
     parts.extend(asked.passes.map(|passes| format!("passes {passes}")));
     // A method without angles takes none of these.
-    if asked.finds_angles {
+    if asked.keeps_constraints {
         parts.push(match asked.ring_switch {
             Some(threshold) => format!("ring switch {threshold} rad ({} switched)", run.switched_rings),
             None => "ring switch off".to_owned(),
@@ -150,9 +153,16 @@ fn ended_line(run: &Run) -> String {
 }
 
 fn layout_line(run: &Run) -> String {
+    let Some(kind) = run.layout else {
+        let mut text = "none: the positions are what was solved for".to_owned();
+        if !run.scaled {
+            text += ", at the scale that doubles hold them at";
+        }
+        return text;
+    };
     match run.closing_error {
-        Some(error) => format!("{}, closing error {}", run.layout, significant(error, RESIDUAL_DIGITS)),
-        None => run.layout.to_string(),
+        Some(error) => format!("{kind}, closing error {}", significant(error, RESIDUAL_DIGITS)),
+        None => kind.to_string(),
     }
 }
 

@@ -85,8 +85,18 @@ pub(crate) fn remark(record: &Record) -> Option<String> {
     let differing = record.repeats.is_some_and(|repeats| !repeats.identical);
     let differing = differing.then(|| "its repeats differ".to_owned());
     let not_run = record.not_run.as_ref().map(|not_run| format!("not run: {}", not_run.message));
-    let parts: Vec<String> =
-        [error, not_run, record.hint.clone(), record.overlap.clone(), differing].into_iter().flatten().collect();
+    let parts: Vec<String> = [
+        error,
+        not_run,
+        record.hint.clone(),
+        record.climb.clone(),
+        record.precision.clone(),
+        record.overlap.clone(),
+        differing,
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     (!parts.is_empty()).then(|| parts.join("; "))
 }
 

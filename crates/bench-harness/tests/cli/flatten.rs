@@ -5,7 +5,7 @@ use crate::surfaces;
 use serde_json::Value;
 use std::process::Stdio;
 
-const FIELDS: [&str; 35] = [
+const FIELDS: [&str; 40] = [
     "mesh",
     "triangles",
     "vertices",
@@ -41,8 +41,13 @@ const FIELDS: [&str; 35] = [
     "closing_error",
     "notes",
     "peak_memory_bytes",
+    "solved_by",
+    "rungs",
+    "pinned",
+    "scaled",
+    "precision_limits",
 ];
-const SETTINGS: [&str; 16] = [
+const SETTINGS: [&str; 17] = [
     "passes",
     "wheel",
     "hessian",
@@ -51,6 +56,7 @@ const SETTINGS: [&str; 16] = [
     "preconditioner",
     "max_inner_iterations",
     "inner_tolerance",
+    "barrier_floor",
     "layout",
     "ring_switch",
     "angle_bound",
@@ -96,7 +102,8 @@ fn the_json_has_every_field_and_the_table_makes_way() {
     assert_has(&result, &FIELDS);
     assert_has(&result["settings"], &SETTINGS);
     assert_has(&result["timings_s"], &TIMINGS);
-    assert_eq!((&result["solver"], &result["layout"]), (&"linabf".into(), &"tree".into()));
+    assert_eq!((&result["solver"], &result["layout"]), (&"auto".into(), &"tree".into()));
+    assert_eq!(result["solved_by"], "linabf");
     assert_eq!(result["settings"]["passes"], "auto");
     assert_eq!(result["valid"], true);
     assert!(ran.stderr.contains("stretch"), "the table is on stderr: {}", ran.stderr);
@@ -133,9 +140,9 @@ fn a_flipped_triangle_gives_exit_code_1_and_an_option_to_try() {
     // Unweighted least squares depends on which corner of a triangle its equation is about; about
     // that of the largest sine, two small triangles turn over instead of the large one.
     for (options, flips, advice) in [
-        ("--solver lscm", 1, "--solver linabf"),
-        ("--solver lscm --layout least-squares", 2, "--solver linabf"),
-        ("--passes 1 --ring-switch off --layout least-squares", 1, "--ring-switch 1"),
+        ("--solver lscm", 1, "--solver auto"),
+        ("--solver lscm --layout least-squares", 2, "--solver auto"),
+        ("--solver linabf --passes 1 --ring-switch off --layout least-squares", 1, "--ring-switch 1"),
     ] {
         let ran = run_on(&format!("{options} --json -"), &[&fixture("obtuse")]);
         let result = ran.result();

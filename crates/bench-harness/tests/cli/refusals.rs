@@ -108,7 +108,7 @@ fn assert_usage_error(ran: &Ran, part: &str) {
 
 #[test]
 fn solvers_that_do_not_exist_are_refused_with_those_that_do() {
-    assert_usage_error(&run(["--solver", "slim"]), "linabf, abf, abf++, abf-newton, abf-fixed-target");
+    assert_usage_error(&run(["--solver", "slim"]), "auto, linabf, abf, abf++, abf-newton, abf-fixed-target");
     assert_usage_error(&run(["--solver", "lscm,slim"]), "minres, lscm, all");
     assert_usage_error(&run(["--solver", "lscm,lscm"]), "named twice");
 }
@@ -141,8 +141,11 @@ fn settings_out_of_range_are_refused_before_any_file_is_read() {
 #[test]
 fn options_that_mean_nothing_to_the_solver_are_refused_with_those_they_concern() {
     for (options, part) in [
-        ("--solver abf++ --passes 3", "--passes means nothing to abf++: leave it out, or choose from linabf"),
-        ("--wheel log", "--wheel means nothing to linabf"),
+        ("--solver abf++ --passes 3", "--passes means nothing to abf++: leave it out, or choose from auto, linabf"),
+        ("--wheel log", "--wheel means nothing to auto"),
+        ("--solver descent --tolerance 1e-6", "--tolerance means nothing to descent"),
+        ("--solver descent --layout tree", "it cannot use the layout 'tree'"),
+        ("--barrier-floor 0", "barrier_floor must be positive and finite, got 0"),
         ("--solver lscm --tolerance 1e-6", "--tolerance means nothing to lscm"),
         ("--solver abf-newton --preconditioner none", "choose from uzawa, minres"),
         ("--solver linabf,lscm --hessian exact", "--hessian means nothing to linabf, lscm"),

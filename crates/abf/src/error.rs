@@ -1,0 +1,96 @@
+//! Why there is no result.
+
+use abf_constraints::ProblemError;
+use abf_embed::EmbedError;
+use abf_mesh::{DiskError, GeometryError, TopologyError};
+use abf_metrics::MetricsError;
+use abf_reconstruct::{LayoutError, LayoutKind};
+use abf_solve_core::SolveError;
+
+/// Why a mesh could not be flattened.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FlattenError {
+    /// Coordinates that are not finite, or faces without area.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// Faces that do not form an oriented manifold.
+    #[error(transparent)]
+    Topology(#[from] TopologyError),
+    /// A manifold that is not a disk.
+    #[error(transparent)]
+    NotADisk(#[from] DiskError),
+    /// A setting out of range, or angles no triangle has.
+    #[error(transparent)]
+    Problem(ProblemError),
+    /// The solver found no angles.
+    #[error("the solver '{solver}' found no angles")]
+    Solve {
+        /// Which solver.
+        solver: &'static str,
+        /// Why.
+        source: SolveError,
+    },
+    /// The angles could not be laid out.
+    #[error("the angles could not be laid out")]
+    Layout(#[from] LayoutError),
+    /// The descent found no drawing.
+    #[error("the descent found no drawing without flips")]
+    Descent(#[from] EmbedError),
+    /// The descent moves vertices and has no angles to lay out.
+    #[error("the descent places the vertices itself: it cannot use the layout '{0}'")]
+    DescentLayout(LayoutKind),
+    /// LSCM is a least squares layout and has no angles to integrate.
+    #[error("lscm is a least squares layout: it cannot use the layout '{0}'")]
+    LscmLayout(LayoutKind),
+    /// The UVs could not be judged: they do not fit into the precision asked for.
+    #[error("the UVs could not be judged")]
+    Certificate(#[from] MetricsError),
+    /// It would take more memory than [`Pipeline::max_memory`](crate::Pipeline::max_memory); none of it was taken.
+    #[error(
+        "the solver '{solver}' would take about {} for {triangles} triangles, and the limit is {}{}",
+        in_units(*predicted), in_units(*limit), instead(*leaner)
+    )]
+    Memory {
+        /// Which solver.
+        solver: &'static str,
+        /// How many triangles the mesh has.
+        triangles: usize,
+        /// See [`predict_memory`](crate::predict_memory), bytes.
+        predicted: u64,
+        /// What is allowed, bytes.
+        limit: u64,
+        /// A solver that keeps within the limit, and what is predicted for it.
+        leaner: Option<(&'static str, u64)>,
+    },
+    /// Cancelled before there was anything to return.
+    #[error("cancelled before there was a result")]
+    Cancelled,
+}
+
+impl From<ProblemError> for FlattenError {
+    fn from(error: ProblemError) -> Self {
+        match error {
+            ProblemError::NotADisk(disk) => Self::NotADisk(disk),
+            other => Self::Problem(other),
+        }
+    }
+}
+
+/// Bytes in thousands, millions or billions, with no more digits than a prediction has.
+fn in_units(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    let (scale, unit) = if bytes < 1e6 {
+        (1e3, "kB")
+    } else if bytes < 1e9 {
+        (1e6, "MB")
+    } else {
+        (1e9, "GB")
+    };
+    let amount = bytes / scale;
+    if amount < 10.0 { format!("{amount:.1} {unit}") } else { format!("{amount:.0} {unit}") }
+}
+
+fn instead(leaner: Option<(&'static str, u64)>) -> String {
+    leaner.map_or_else(String::new, |(solver, bytes)| format!("; '{solver}' takes about {}", in_units(bytes)))
+}

@@ -1,0 +1,99 @@
+//! What comes out: UVs, and everything that is known of them.
+
+use crate::{FlattenError, PrecisionLimits, SolverKind};
+use abf_mesh::{TriMesh, UvMap};
+use abf_metrics::{Certificate, Metrics, MetricsError, measure_certified};
+use abf_reconstruct::LayoutKind;
+use abf_solve_core::{AngleSolution, Termination};
+
+/// A flattened mesh.
+#[derive(Clone, Debug)]
+pub struct Flattening {
+    /// One UV per vertex, in the precision asked for.
+    pub uv: UvMap,
+    /// What is proved of these UVs: whether triangles are turned over, wind, or lie over each other.
+    pub certificate: Certificate,
+    /// Whose result this is; never [`SolverKind::Auto`].
+    pub solver: SolverKind,
+    /// How the solver ended; [`Termination::OnePass`] for LSCM, which is one linear solve. When a ladder broke off
+    /// because it was cancelled or out of time, and has nothing certified, that.
+    pub termination: Termination,
+    /// The angles; `None` for LSCM, which does not solve for any.
+    pub solution: Option<AngleSolution>,
+    /// What the layout did.
+    pub layout: LayoutReport,
+    /// How many vertices have faces all around: `ni`.
+    pub interior_vertices: usize,
+    /// How many rings started from their target angles because of their deficit.
+    pub switched_rings: usize,
+    /// How near the UVs are to what doubles can hold; `None` where there is room to spare.
+    pub precision_limits: Option<PrecisionLimits>,
+    /// Every solver that was tried, in order, by [`SolverKind::Auto`]; empty for the others.
+    pub rungs: Vec<RungReport>,
+}
+
+/// What one solver of the ladder [`SolverKind::Auto`] came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RungReport {
+    /// Which solver.
+    pub solver: SolverKind,
+    /// How it ended; `None` when it found nothing.
+    pub termination: Option<Termination>,
+    /// Passes, iterations or steps.
+    pub iterations: usize,
+    /// Whether its UVs are valid, as they would be written: [`Certificate::valid`].
+    pub valid: bool,
+    /// How many triangles are flipped in them.
+    pub flips: usize,
+    /// How many are collapsed.
+    pub collapsed: usize,
+    /// Around how many interior vertices they wind twice.
+    pub wound: usize,
+    /// Their `F / 3nt` ([`Metrics::f`]), rad²; `None` where there was nothing to compare it with, or nothing at all.
+    pub f: Option<f64>,
+    /// Why it found nothing.
+    pub error: Option<FlattenError>,
+}
+
+impl RungReport {
+    /// Whether the ladder ends here: valid UVs of a solver that ended as asked.
+    #[must_use]
+    pub fn is_certified(&self) -> bool {
+        self.valid && self.termination.is_some_and(Termination::is_as_asked)
+    }
+}
+
+/// What the layout did: [`Layout`](abf_reconstruct::Layout) without its UVs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayoutReport {
+    /// The method that was used; never [`LayoutKind::Auto`]. `None` for the descent, whose unknowns are the UVs.
+    pub kind: Option<LayoutKind>,
+    /// The true relative residual of its linear solve; `None` for the tree.
+    pub linear_residual: Option<f64>,
+    /// The largest disagreement between the two sides of an edge; `None` where nothing was integrated.
+    pub closing_error: Option<f64>,
+    /// How many angles had to be moved into the open interval (0, π) to be laid out.
+    pub moved_angles: usize,
+    /// Whether the first pin is at the origin and the second on the positive x-axis. Only the UVs of the descent may
+    /// stand elsewhere: where moving or turning them would round triangles over, they stay.
+    pub pinned: bool,
+    /// Whether the scale is the one asked for: the area of the surface, or the unit square. Only the UVs of the descent
+    /// may have another, the nearest power of two, where doubles hold them at no scale but such a one.
+    pub scaled: bool,
+}
+
+impl Flattening {
+    /// Whether this is what was asked for: valid UVs of a solver that ended as asked.
+    #[must_use]
+    pub fn is_certified(&self) -> bool {
+        self.certificate.valid() && self.termination.is_as_asked()
+    }
+
+    /// Distortion, measured on the UVs, with their certificate.
+    ///
+    /// # Errors
+    /// [`MetricsError`] when `mesh` is not the mesh that was flattened.
+    pub fn metrics(&self, mesh: &TriMesh) -> Result<Metrics, MetricsError> {
+        measure_certified(mesh, &self.uv, self.certificate.clone())
+    }
+}

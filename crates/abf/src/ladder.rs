@@ -1,0 +1,168 @@
+//! [`SolverKind::Auto`]: one solver after the other, until a result is certified.
+//!
+//! A rung is certified when its UVs are valid as they will be written *and* its solver ended as asked. The cheap rungs
+//! come first and give up early where they are hopeless; the last cannot leave the valid drawings. What is valid and
+//! not converged is kept, and the ladder goes on. When nothing is certified the best there is comes out: valid before
+//! not valid, then fewer bad triangles, then the smaller F.
+
+use crate::task::Task;
+use crate::{FlattenError, Flattening, Pipeline, RungReport, SolverKind};
+use abf_mesh::TriMesh;
+use abf_reconstruct::LayoutKind;
+use abf_solve_core::{AngleSolution, Event, Observer, StopCriteria, Termination, TimeBudget, Verdict};
+use std::cmp::Ordering;
+
+/// One solver of the ladder.
+struct Rung {
+    solver: SolverKind,
+    /// At most so many iterations, whatever was asked for.
+    most_iterations: usize,
+}
+
+/// The ladder, from the bottom.
+///
+/// LinABF stops by itself when its passes no longer help. Steps with a fixed target that converge at all take about a
+/// dozen; 25 leave room.
+const RUNGS: &[Rung] = &[
+    Rung { solver: SolverKind::LinAbf, most_iterations: usize::MAX },
+    Rung { solver: SolverKind::AbfFixedTarget, most_iterations: 25 },
+    Rung { solver: SolverKind::Barrier, most_iterations: usize::MAX },
+    Rung { solver: SolverKind::Descent, most_iterations: usize::MAX },
+];
+
+/// Climbs until a rung is certified.
+pub(crate) fn climb(task: &Task<'_>, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+    let budget = TimeBudget::start(&task.pipeline.stop);
+    let mut climb = Climb { mesh: task.mesh, best: None, rungs: Vec::new(), first_error: None };
+    for rung in RUNGS {
+        if let Some(interruption) = climb.interruption(&budget, rung.solver, observer) {
+            return climb.end(Some(interruption));
+        }
+        let left = budget.left();
+        let stop = StopCriteria { max_iterations: left.max_iterations.min(rung.most_iterations), ..left };
+        // The options of the Newton solvers concern those that are named.
+        let named_only = Pipeline { wheel: None, hessian: None, ..task.pipeline };
+        let task = Task { pipeline: Pipeline { solver: rung.solver, stop, ..named_only }, ..*task };
+        let result = climb.attempt(&task, observer);
+        if climb.take(rung.solver, result) {
+            break;
+        }
+    }
+    climb.end(None)
+}
+
+/// What has been found so far.
+struct Climb<'t> {
+    mesh: &'t TriMesh,
+    best: Option<Candidate>,
+    rungs: Vec<RungReport>,
+    first_error: Option<FlattenError>,
+}
+
+struct Candidate {
+    flat: Flattening,
+    report: RungReport,
+}
+
+impl Climb<'_> {
+    /// Why the next rung is not tried; it is announced if it is. There is always a first one, however little time there
+    /// is: its solver stops itself, with something to give.
+    fn interruption(&self, budget: &TimeBudget, next: SolverKind, observer: &mut dyn Observer) -> Option<Termination> {
+        let last = self.rungs.last();
+        if last.is_some_and(|rung| rung.termination == Some(Termination::Cancelled)) {
+            return Some(Termination::Cancelled);
+        }
+        if last.is_some() && budget.is_spent() {
+            return Some(Termination::TimeLimit);
+        }
+        let verdict = observer.observe(Event::RungStarted(next.name()));
+        (verdict == Verdict::Cancel).then_some(Termination::Cancelled)
+    }
+
+    fn attempt(&self, task: &Task<'_>, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+        let flat = task.run(observer)?;
+        let may_choose = task.pipeline.layout.kind == LayoutKind::Auto && flat.layout.kind == Some(LayoutKind::Tree);
+        if flat.certificate.valid() || !may_choose {
+            return Ok(flat);
+        }
+        let again = task.laid_out_again(&flat, observer).filter(|again| again.certificate.valid());
+        Ok(again.unwrap_or(flat))
+    }
+
+    /// Keeps what is better, and reports it either way; `true` when it is certified.
+    fn take(&mut self, solver: SolverKind, result: Result<Flattening, FlattenError>) -> bool {
+        let flat = match result {
+            Ok(flat) => flat,
+            Err(error) => {
+                self.rungs.push(RungReport::failed(solver, error.clone()));
+                self.first_error.get_or_insert(error);
+                return false;
+            }
+        };
+        let mut report = RungReport::of(&flat);
+        let is_certified = report.is_certified();
+        // Where the first rung is certified there is nothing to compare it with.
+        if !is_certified || !self.rungs.is_empty() {
+            report.f = flat.metrics(self.mesh).ok().map(|metrics| metrics.f);
+        }
+        self.rungs.push(report.clone());
+        let candidate = Candidate { flat, report };
+        if self.best.as_ref().is_none_or(|best| candidate.compare(best) == Ordering::Less) {
+            self.best = Some(candidate);
+        }
+        is_certified
+    }
+
+    fn end(self, interruption: Option<Termination>) -> Result<Flattening, FlattenError> {
+        let Some(Candidate { flat, .. }) = self.best else {
+            return Err(self.first_error.unwrap_or(FlattenError::Cancelled));
+        };
+        let termination = interruption.unwrap_or(flat.termination);
+        Ok(Flattening { termination, rungs: self.rungs, ..flat })
+    }
+}
+
+impl Candidate {
+    /// The better one is less.
+    fn compare(&self, other: &Self) -> Ordering {
+        let (a, b) = (&self.report, &other.report);
+        let f = |report: &RungReport| report.f.filter(|f| !f.is_nan()).unwrap_or(f64::INFINITY);
+        let certified = b.is_certified().cmp(&a.is_certified());
+        let bad = a.bad_places().cmp(&b.bad_places());
+        certified.then(b.valid.cmp(&a.valid)).then(bad).then(f(a).total_cmp(&f(b)))
+    }
+}
+
+impl RungReport {
+    fn of(flat: &Flattening) -> Self {
+        Self {
+            solver: flat.solver,
+            termination: Some(flat.termination),
+            iterations: flat.solution.as_ref().map_or(0, AngleSolution::iterations),
+            valid: flat.certificate.valid(),
+            flips: flat.certificate.flips,
+            collapsed: flat.certificate.collapsed,
+            wound: flat.certificate.wound,
+            f: None,
+            error: None,
+        }
+    }
+
+    fn failed(solver: SolverKind, error: FlattenError) -> Self {
+        Self {
+            solver,
+            termination: None,
+            iterations: 0,
+            valid: false,
+            flips: 0,
+            collapsed: 0,
+            wound: 0,
+            f: None,
+            error: Some(error),
+        }
+    }
+
+    fn bad_places(&self) -> usize {
+        self.flips + self.collapsed + self.wound
+    }
+}

@@ -1,0 +1,64 @@
+//! Angles with everything that is evaluated at them.
+
+use abf_constraints::{AngleProblem, TriangleRows, WheelDerivative, linearise};
+use std::f64::consts::PI;
+
+/// Angles strictly inside (0, π), the constraints there and what they cost.
+#[derive(Clone, Debug)]
+pub(crate) struct Place {
+    pub(crate) angles: Vec<f64>,
+    /// h, wheels in the log form.
+    pub(crate) residual: Vec<f64>,
+    pub(crate) wheel: WheelDerivative,
+    /// `θ = ‖h‖₁`, rad.
+    pub(crate) violation: f64,
+    /// `Σ w (x − a)²`.
+    pub(crate) energy: f64,
+    /// `Σ log x + log(π − x)`.
+    pub(crate) logarithms: f64,
+}
+
+impl Place {
+    pub(crate) fn new(problem: &AngleProblem<'_>, angles: Vec<f64>) -> Self {
+        let (residual, wheel) = linearise(problem.rows(), &angles);
+        Self {
+            violation: residual.iter().map(|h| h.abs()).sum(),
+            energy: problem.energy(&angles),
+            logarithms: angles.iter().map(|x| (x * (PI - x)).ln()).sum(),
+            residual,
+            wheel,
+            angles,
+        }
+    }
+
+    /// `φ = Σ w (x − a)² − μ Σ [log x + log(π − x)]`.
+    pub(crate) fn objective(&self, barrier: f64) -> f64 {
+        self.energy - barrier * self.logarithms
+    }
+
+    /// Whether a line search may compare with it.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.violation.is_finite() && self.energy.is_finite() && self.logarithms.is_finite()
+    }
+
+    /// `dφ/dx`.
+    pub(crate) fn gradient(&self, problem: &AngleProblem<'_>, barrier: f64) -> Vec<f64> {
+        let (target, weight) = (problem.target(), problem.weight());
+        let of = |(c, &x): (usize, &f64)| 2.0 * weight[c] * (x - target[c]) - barrier / x + barrier / (PI - x);
+        self.angles.iter().enumerate().map(of).collect()
+    }
+
+    /// `out += Jᵀ λ`, triangle by triangle.
+    pub(crate) fn add_transposed_product(&self, problem: &AngleProblem<'_>, multipliers: &[f64], out: &mut [f64]) {
+        let (topology, rows) = (problem.topology(), problem.rows());
+        for face in topology.faces() {
+            let local = TriangleRows::new(topology, rows, &self.wheel, face);
+            let vertex = local.interior.map(|i| i.map_or(0.0, |i| multipliers[rows.vertex(i)]));
+            let wheels = local.interior.map(|i| i.map_or(0.0, |i| multipliers[rows.wheel(i)]));
+            let product = local.apply_transposed(vertex, wheels);
+            for (k, c) in face.corners().into_iter().enumerate() {
+                out[c.index()] += product[k] + multipliers[rows.triangle(face)];
+            }
+        }
+    }
+}

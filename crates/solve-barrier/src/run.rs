@@ -1,0 +1,370 @@
+//! The outer loop.
+
+use crate::Barrier;
+use crate::direction::Direction;
+use crate::dual::BoundMultipliers;
+use crate::filter::Filter;
+use crate::path::nearer_end;
+use crate::place::Place;
+use crate::restore::restored;
+use crate::search::{Search, entry};
+use crate::system::StepSystem;
+use abf_constraints::{AngleProblem, RESIDUAL_CLAMP, largest, max_residual};
+use abf_solve_core::{Fallback, IterationRecord, LinearError, SolveError, StopCriteria, Termination, Watch};
+use std::f64::consts::PI;
+
+/// How far from 0 and π a start keeps, rad: nothing is known yet that would justify less.
+const START_DISTANCE: f64 = 1e-2;
+
+/// `μ` is lowered once the optimality error is below this multiple of it (Wächter, Biegler 2006, eq. (7)).
+const CENTRED: f64 = 10.0;
+
+/// … and not only by the factor of the settings but to this power of itself (ibid.): faster, the smaller it is.
+const SUPERLINEAR: f64 = 1.5;
+
+/// The filter refuses violations above this multiple of the first one …
+const TOO_LARGE: f64 = 1e4;
+
+/// … and descent is insisted on below this multiple.
+const SMALL: f64 = 1e-4;
+
+/// A restoration is done when it has brought the violation below this part of what it was.
+const RESTORED: f64 = 0.9;
+
+/// At most so many steps of restoration in a row.
+const RESTORATIONS: usize = 20;
+
+/// A run that is stuck starts again from the middle with this multiple of its first `μ` …
+const RECENTRING: f64 = 100.0;
+
+/// … at most so often.
+const RECENTRINGS: usize = 2;
+
+/// The workspace of one solve.
+pub(crate) struct Run<'p, 'a> {
+    settings: Barrier,
+    problem: &'p AngleProblem<'a>,
+    system: StepSystem,
+    place: Place,
+    multipliers: Vec<f64>,
+    bounds: BoundMultipliers,
+    barrier: f64,
+    /// The last μ: that of the settings, or where angles would vanish below it.
+    floor: f64,
+    filter: Filter,
+    first_violation: f64,
+    /// The angles with the smallest residual.
+    best: Vec<f64>,
+    best_residual: f64,
+    history: Vec<IterationRecord>,
+    recentred: usize,
+    /// Angles moved away from 0 and π since the last record.
+    moved: usize,
+}
+
+/// How far a place is from the solution for one `μ`.
+struct Errors {
+    /// `max |x dL/dx|`, the change of the Lagrangian per relative change of a distance.
+    dual: f64,
+    /// Of the multipliers of the bounds.
+    complementarity: f64,
+    /// `max |h|`.
+    primal: f64,
+}
+
+impl<'p, 'a> Run<'p, 'a> {
+    pub(crate) fn new(
+        settings: Barrier,
+        problem: &'p AngleProblem<'a>,
+        mut angles: Vec<f64>,
+    ) -> Result<Self, LinearError> {
+        let moved = problem.moved_angles() + pushed_inside(&mut angles);
+        let system = StepSystem::new(problem)?;
+        let place = Place::new(problem, angles);
+        let barrier = settings.barrier_start;
+        Ok(Self {
+            settings,
+            problem,
+            system,
+            multipliers: vec![0.0; problem.rows().len()],
+            bounds: BoundMultipliers::centred(&place.angles, barrier),
+            barrier,
+            floor: settings.barrier_floor,
+            filter: Filter::new(TOO_LARGE * place.violation.max(1.0)),
+            first_violation: place.violation,
+            best: place.angles.clone(),
+            best_residual: f64::INFINITY,
+            place,
+            history: Vec::new(),
+            recentred: 0,
+            moved,
+        })
+    }
+
+    /// Iterates until the criteria are met. The angles are those reached if that is what was asked for, else those
+    /// with the smallest residual.
+    pub(crate) fn solve(
+        mut self,
+        stop: &StopCriteria,
+        watch: &mut Watch<'_>,
+    ) -> Result<(Vec<f64>, Termination, Vec<IterationRecord>), SolveError> {
+        let termination = loop {
+            // A factorisation cannot be interrupted, so ask before it.
+            if !watch.inner(0, f64::NAN) {
+                break watch.interruption().unwrap_or(Termination::Cancelled);
+            }
+            let end = match self.iterate(stop, watch) {
+                Err(error) if self.history.is_empty() => return Err(error.into()),
+                Ok(true) => self.verdict(stop, watch),
+                Ok(false) | Err(_) => watch.interruption().or_else(|| self.recentre()),
+            };
+            if let Some(end) = end {
+                break end;
+            }
+        };
+        let angles = if termination.is_as_asked() { self.place.angles } else { self.best };
+        Ok((angles, termination, self.history))
+    }
+
+    /// One step, or steps of restoration where that fails; `false` when neither leads anywhere.
+    fn iterate(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Result<bool, LinearError> {
+        if !self.history.is_empty() {
+            self.lower_barrier();
+        }
+        let at = (&self.place, self.multipliers.as_slice(), &self.bounds, self.barrier);
+        let direction = Direction::new(self.problem, &mut self.system, self.settings.hessian, at)?;
+        let search = Search {
+            problem: self.problem,
+            system: &mut self.system,
+            place: &self.place,
+            direction: &direction,
+            filter: &self.filter,
+            barrier: self.barrier,
+            fraction: self.settings.fraction,
+            small_violation: SMALL * self.first_violation.max(1.0),
+        };
+        let Some(found) = search.run() else {
+            self.filter.add(entry(&self.place, self.barrier));
+            return self.restore(stop, watch);
+        };
+        if let Some(entry) = found.entry {
+            self.filter.add(entry);
+        }
+        let record = IterationRecord {
+            step: largest(&direction.step.delta),
+            inner_iterations: direction.linear.iterations + found.corrections,
+            inner_residual: direction.linear.relative_residual,
+            inner_converged: true,
+            step_length: found.share,
+            negative_curvature: direction.negative,
+            ..IterationRecord::default()
+        };
+        let (from, delta) = (&self.place.angles, &direction.step.delta);
+        self.bounds.advance(from, delta, &found.place.angles, self.barrier, self.settings.fraction);
+        let changes = self.multipliers.iter_mut().zip(&direction.step.multipliers);
+        changes.for_each(|(m, d)| *m += found.share * d);
+        self.place = found.place;
+        self.record(record, watch);
+        Ok(true)
+    }
+
+    /// Whether the steps so far are enough.
+    fn verdict(&mut self, stop: &StopCriteria, watch: &Watch<'_>) -> Option<Termination> {
+        let last = self.history.last()?;
+        let made = self.history.len();
+        let is_last = last.step <= stop.step_tolerance && last.step_length == 1.0 && last.fallback.is_none();
+        if self.barrier <= self.floor && is_last {
+            let errors = self.errors();
+            let is_optimal = errors.dual.max(errors.complementarity) <= self.settings.optimality_tolerance;
+            if is_optimal && errors.primal <= stop.tolerance {
+                // Angles below the clamp of the residual that is reported: more steps would not mend that.
+                let is_met = last.constraint_residual <= stop.tolerance;
+                return Some(if is_met { Termination::Converged } else { Termination::Stalled });
+            }
+        }
+        if let Some(interruption) = watch.interruption() {
+            return Some(interruption);
+        }
+        // One iteration asked for and made is what was asked.
+        let ran_out = if stop.max_iterations == 1 { Termination::OnePass } else { Termination::MaxIterations };
+        (made >= stop.max_iterations).then_some(ran_out)
+    }
+
+    fn errors(&self) -> Errors {
+        let x = &self.place.angles;
+        let (target, weight) = (self.problem.target(), self.problem.weight());
+        let of = |c: usize| 2.0 * weight[c] * (x[c] - target[c]) + self.bounds.gradient(c);
+        let mut gradient: Vec<f64> = (0..x.len()).map(of).collect();
+        self.place.add_transposed_product(self.problem, &self.multipliers, &mut gradient);
+        let dual = gradient.iter().zip(x).fold(0.0, |most: f64, (g, &x)| most.max((g * nearer_end(x)).abs()));
+        let complementarity = self.bounds.complementarity(x, self.barrier);
+        Errors { dual, complementarity, primal: largest(&self.place.residual) }
+    }
+
+    /// Lowers `μ` as long as the place is near the solution for it (Fiacco–McCormick).
+    fn lower_barrier(&mut self) {
+        while self.barrier > self.floor {
+            let errors = self.errors();
+            if errors.dual.max(errors.complementarity).max(errors.primal) > CENTRED * self.barrier {
+                return;
+            }
+            self.floor = self.floor.max((self.barrier / self.room()).min(self.barrier));
+            let lower = (self.settings.barrier_reduction * self.barrier).min(self.barrier.powf(SUPERLINEAR));
+            self.barrier = lower.max(self.floor);
+            // Objectives for another μ cannot be compared with the old ones.
+            self.filter = Filter::new(TOO_LARGE * self.first_violation.max(1.0));
+        }
+    }
+
+    /// By how much the angle that is the closest to vanishing may still shrink: at a degenerate optimum angles are about
+    /// proportional to μ, or fall faster.
+    fn room(&self) -> f64 {
+        /// An angle has vanished only if it is below this part of its target, too.
+        const SHRUNK: f64 = 0.1;
+        let least = |a: f64| self.settings.smallest_angle.min(SHRUNK * a);
+        let pairs = self.place.angles.iter().zip(self.problem.target());
+        pairs.fold(f64::INFINITY, |room, (x, &a)| room.min(x / least(a)))
+    }
+
+    /// Steps towards the constraints until the filter accepts the place; `false` if that fails.
+    fn restore(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Result<bool, LinearError> {
+        let start = self.place.violation;
+        for _ in 0..RESTORATIONS {
+            let Some((place, record)) = restored(self.problem, &mut self.system, &self.place, self.settings.fraction)?
+            else {
+                return Ok(false);
+            };
+            self.place = place;
+            self.record(IterationRecord { fallback: Some(Fallback::LineSearch), ..record }, watch);
+            let reached = (self.place.violation, self.place.objective(self.barrier));
+            if reached.0 <= RESTORED * start && self.filter.accepts(reached) {
+                self.forget_multipliers();
+                return Ok(true);
+            }
+            if self.history.len() >= stop.max_iterations {
+                return Ok(true);
+            }
+            if watch.interruption().is_some() || !watch.inner(0, f64::NAN) {
+                return Ok(false);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Starts again from the middle with a larger `μ`, unless that was done before; `Some` if it was.
+    fn recentre(&mut self) -> Option<Termination> {
+        if self.recentred == RECENTRINGS || self.history.is_empty() {
+            return Some(Termination::Stalled);
+        }
+        self.recentred += 1;
+        let mut angles = self.place.angles.clone();
+        self.moved += pushed_inside(&mut angles);
+        self.place = Place::new(self.problem, angles);
+        self.barrier = self.settings.barrier_start * RECENTRING.powi(self.recentred as i32);
+        self.floor = self.settings.barrier_floor;
+        self.filter = Filter::new(TOO_LARGE * self.place.violation.max(1.0));
+        self.first_violation = self.place.violation;
+        self.forget_multipliers();
+        None
+    }
+
+    /// The next step finds them anew.
+    fn forget_multipliers(&mut self) {
+        self.multipliers.fill(0.0);
+        self.bounds = BoundMultipliers::centred(&self.place.angles, self.barrier);
+    }
+
+    fn record(&mut self, mut record: IterationRecord, watch: &mut Watch<'_>) {
+        record.iteration = self.history.len() + 1;
+        record.constraint_residual = self.constraint_residual();
+        record.energy = Some(self.place.energy);
+        record.moved_angles = std::mem::take(&mut self.moved);
+        if record.constraint_residual <= self.best_residual {
+            self.best_residual = record.constraint_residual;
+            self.best.clone_from(&self.place.angles);
+        }
+        self.history.push(record);
+        watch.iteration(&record);
+    }
+
+    /// `max |h|`, from the constraints at hand where the clamp changes nothing.
+    fn constraint_residual(&self) -> f64 {
+        let inside = RESIDUAL_CLAMP..=PI - RESIDUAL_CLAMP;
+        if self.place.angles.iter().all(|x| inside.contains(x)) {
+            largest(&self.place.residual)
+        } else {
+            max_residual(self.problem.topology(), self.problem.rows(), &self.place.angles)
+        }
+    }
+}
+
+/// Moves every angle to at least [`START_DISTANCE`] from 0 and π; how many were moved.
+fn pushed_inside(angles: &mut [f64]) -> usize {
+    let mut moved = 0;
+    for x in angles {
+        let inside = x.clamp(START_DISTANCE, PI - START_DISTANCE);
+        moved += usize::from(inside != *x);
+        *x = inside;
+    }
+    moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abf_constraints::EstimateSettings;
+    use abf_mesh::Topology;
+    use abf_shapes::Shape;
+    use abf_solve_core::Silent;
+
+    /// Runs a problem whose angles want to leave, and shows every place to `look`.
+    fn step_by_step(steps: usize, mut look: impl FnMut(&mut Run<'_, '_>)) {
+        let mesh = Shape::Spike.mesh(600);
+        let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        let stop = StopCriteria::default();
+        let mut silent = Silent;
+        let mut watch = Watch::start(&stop, &mut silent);
+        let settings = Barrier { barrier_floor: 1e-8, smallest_angle: 0.0, ..Barrier::default() };
+        let mut run = Run::new(settings, &problem, vec![1e-12; 3 * mesh.face_count()]).expect("fits");
+        for _ in 0..steps {
+            assert_eq!(run.iterate(&stop, &mut watch), Ok(true));
+            look(&mut run);
+        }
+    }
+
+    #[test]
+    fn every_place_is_strictly_inside() {
+        step_by_step(25, |run| {
+            assert!(run.place.angles.iter().all(|&x| x > 0.0 && x < PI));
+        });
+    }
+
+    #[test]
+    fn restoration_reduces_the_violation() {
+        step_by_step(1, |run| {
+            let before = run.place.violation;
+            let stop = StopCriteria::default();
+            let mut silent = Silent;
+            let mut watch = Watch::start(&stop, &mut silent);
+            assert_eq!(run.restore(&stop, &mut watch), Ok(true));
+            assert!(run.place.violation <= RESTORED * before);
+            assert!(run.multipliers.iter().all(|&m| m == 0.0));
+            assert!(run.history.last().is_some_and(|last| last.fallback == Some(Fallback::LineSearch)));
+        });
+    }
+
+    #[test]
+    fn a_run_is_recentred_so_often_and_no_more() {
+        step_by_step(3, |run| {
+            run.place = Place::new(run.problem, vec![1e-9; run.place.angles.len()]);
+            let barrier = run.settings.barrier_start;
+            if run.recentred < RECENTRINGS {
+                assert_eq!(run.recentre(), None);
+                assert!(run.barrier > barrier && run.place.angles.iter().all(|&x| x >= START_DISTANCE));
+            } else {
+                assert_eq!(run.recentre(), Some(Termination::Stalled));
+            }
+        });
+    }
+}

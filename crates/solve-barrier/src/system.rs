@@ -1,0 +1,73 @@
+//! The linear system of a step, factorised once and solved for several right-hand sides.
+
+use crate::place::Place;
+use abf_constraints::AngleProblem;
+use abf_linalg::{Cholesky, LinearError, LinearStats, Refinement, SymbolicCholesky, SymmetricMatrix};
+use abf_solve_core::{KktSystem, KktVector, ReducedSystem};
+use std::sync::Arc;
+
+/// `[Λ Jᵀ; J 0] [δ; Δλ] = −[g; h]`, `Λ > 0`, by a Cholesky factorisation of the reduced system. `DirectStep` factorises at
+/// every call; a second-order correction differs from its step in `h` only.
+#[derive(Debug)]
+pub(crate) struct StepSystem {
+    reduced: ReducedSystem,
+    symbolic: Arc<SymbolicCholesky>,
+    matrix: SymmetricMatrix<f64>,
+    rhs: Vec<f64>,
+    factors: Option<Cholesky<f64>>,
+}
+
+impl StepSystem {
+    pub(crate) fn new(problem: &AngleProblem<'_>) -> Result<Self, LinearError> {
+        let reduced = ReducedSystem::new(problem.topology(), problem.rows())?;
+        let symbolic = SymbolicCholesky::analyse(Arc::clone(reduced.pattern()))?;
+        let matrix = SymmetricMatrix::zeros(Arc::clone(reduced.pattern()));
+        let rhs = vec![0.0; matrix.size()];
+        Ok(Self { reduced, symbolic, matrix, rhs, factors: None })
+    }
+
+    /// Factorises for a new `Λ` and place, and solves.
+    pub(crate) fn solve(
+        &mut self,
+        problem: &AngleProblem<'_>,
+        place: &Place,
+        lambda: &[f64],
+        gradient: &[f64],
+        out: &mut KktVector,
+    ) -> Result<LinearStats, LinearError> {
+        self.factors = None;
+        self.solve_again(problem, place, lambda, gradient, &place.residual, out)
+    }
+
+    /// Solves with the factors at hand for other `g` and `h`; place and `Λ` must be those of the last
+    /// [`StepSystem::solve`].
+    pub(crate) fn solve_again(
+        &mut self,
+        problem: &AngleProblem<'_>,
+        place: &Place,
+        lambda: &[f64],
+        gradient: &[f64],
+        residual: &[f64],
+        out: &mut KktVector,
+    ) -> Result<LinearStats, LinearError> {
+        let kkt = KktSystem {
+            topology: problem.topology(),
+            rows: problem.rows(),
+            lambda,
+            gauss_newton: lambda,
+            off_diagonal: None,
+            wheel: &place.wheel,
+            gradient,
+            residual,
+        };
+        self.reduced.assemble(&kkt, &mut self.matrix, &mut self.rhs);
+        let factors = match self.factors.take() {
+            Some(factors) => factors,
+            None => self.symbolic.factorise(&self.matrix)?,
+        };
+        let stats = factors.solve(&self.matrix, &mut self.rhs, Refinement::default())?;
+        self.factors = Some(factors);
+        self.reduced.back_substitute(&kkt, &self.rhs, out);
+        Ok(stats)
+    }
+}
