@@ -9,7 +9,7 @@ use std::num::NonZeroUsize;
 
 use crate::{Hessian, Passes, Pipeline, PreconditionerKind, Reduction, SolverKind, WheelForm};
 
-/// What the least squares fit of all disks leaves open, for meshes whose factors are fuller than theirs.
+/// What the fit to these disks leaves open, for meshes whose factors are fuller than theirs.
 const MARGIN: f64 = 1.2;
 
 /// Bytes of a mesh with `n` triangles.
@@ -48,6 +48,9 @@ const MOST: Growth = Growth::Log(720.0, 95.0);
 /// as it is read and as it is kept, its UV, indices.
 const BYTES_PER_VERTEX: u64 = 150;
 
+/// What does not grow with the mesh, such as the history of a solver that goes on to its last iteration.
+const AT_LEAST: u64 = 64_000;
+
 impl Growth {
     fn at(self, triangles: usize) -> f64 {
         // A single triangle has no logarithm, and is no case for care.
@@ -70,7 +73,7 @@ pub fn predict_memory(pipeline: &Pipeline, triangles: usize, vertices: usize) ->
     // A disk has at most two vertices more than triangles, and mostly half as many.
     let unused = vertices.saturating_sub(triangles) as u64;
     let bytes = MARGIN * growth(pipeline).at(triangles);
-    (bytes as u64).saturating_add(BYTES_PER_VERTEX.saturating_mul(unused))
+    (bytes as u64).saturating_add(AT_LEAST).saturating_add(BYTES_PER_VERTEX.saturating_mul(unused))
 }
 
 fn growth(pipeline: &Pipeline) -> Growth {

@@ -11,7 +11,9 @@ use std::sync::Arc;
 /// of `d` corners fills two `d × d` blocks, which is what the log form does away with (VMV04 fig. 2).
 #[derive(Debug, Default)]
 pub struct FullKktStep {
-    symbolic: Option<Arc<SymbolicLu>>,
+    /// Of the patterns without and with the non-diagonal second derivatives: the outer loop may give up the
+    /// exact Hessian for a step.
+    symbolic: [Option<Arc<SymbolicLu>>; 2],
 }
 
 impl KktStep for FullKktStep {
@@ -26,9 +28,10 @@ impl KktStep for FullKktStep {
         if !watch.inner(0, f64::NAN) {
             return Err(StepError::Interrupted);
         }
-        let symbolic = match &self.symbolic {
+        let analysed = &mut self.symbolic[usize::from(kkt.off_diagonal.is_some())];
+        let symbolic = match analysed {
             Some(symbolic) => Arc::clone(symbolic),
-            None => Arc::clone(self.symbolic.insert(SymbolicLu::analyse(&matrix)?)),
+            None => Arc::clone(analysed.insert(SymbolicLu::analyse(&matrix)?)),
         };
         let factors = symbolic.factorise(&matrix)?;
         let mut solution: Vec<f64> = kkt.gradient.iter().chain(kkt.residual).map(|x| -x).collect();
@@ -41,7 +44,7 @@ impl KktStep for FullKktStep {
     }
 }
 
-/// The matrix in one piece; its pattern does not depend on the angles.
+/// The matrix in one piece; its pattern depends on whether there is non-diagonal curvature, and on nothing else.
 fn assemble(kkt: &KktSystem<'_>) -> SparseMatrix {
     let corners = kkt.lambda.len();
     let mut jacobian = Jacobian::new(kkt.topology, kkt.rows);

@@ -140,6 +140,25 @@ mod tests {
     }
 
     #[test]
+    fn a_step_of_abf_may_give_up_the_exact_hessian() {
+        // Found by fuzzing: the matrix without second derivatives was factorised with the analysis of that with them.
+        let points = [
+            [0.0, 4.0, 12.0],
+            [1.37, 0.37, 0.123333],
+            [4.493333, 0.74, 0.74],
+            [1.11, 2.11, 1.11],
+            [1.48, 5.4, 1.48],
+            [9.233333, 5.425, 9.875],
+        ];
+        let faces = [[0, 1, 2], [1, 0, 3], [2, 1, 3], [2, 3, 4], [0, 2, 4], [3, 0, 5]];
+        let mesh = abf_mesh::TriMesh::new(points.map(Into::into).to_vec(), &faces).expect("a mesh");
+        let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        let solution = AbfNewton::abf().solve(&problem, &StopCriteria::default(), &mut Silent).expect("angles");
+        assert!(solution.fallbacks() > 0, "it is given up");
+    }
+
+    #[test]
     fn the_exact_hessian_needs_fewer_steps() {
         let linear = solve(&AbfNewton::fixed_target(), Shape::SpikyField, 1200);
         let quadratic = solve(&AbfNewton::exact_newton(), Shape::SpikyField, 1200);

@@ -65,14 +65,25 @@ pub fn load_materials(obj: &Path, libraries: &[String]) -> Materials {
 }
 
 fn load(path: PathBuf, out: &mut Materials) {
-    let text = match std::fs::read(&path) {
-        Ok(bytes) => readable_lines(&path, &String::from_utf8_lossy(&bytes), &mut out.notes),
+    let bytes = match std::fs::read(&path) {
+        Ok(bytes) => bytes,
         Err(cause) => return out.notes.push(MaterialNote::Missing { path, cause: cause.kind() }),
     };
+    let Materials { materials, notes } = parse_materials(&path, &bytes);
+    out.materials.extend(materials);
+    out.notes.extend(notes);
+}
+
+/// Reads a material library from the bytes of its file. The path serves the notes only.
+#[must_use]
+pub fn parse_materials(path: &Path, bytes: &[u8]) -> Materials {
+    let mut out = Materials::default();
+    let text = readable_lines(path, &String::from_utf8_lossy(bytes), &mut out.notes);
     match tobj::load_mtl_buf(&mut text.as_bytes()) {
-        Ok((materials, _)) => out.materials.extend(materials),
-        Err(e) => out.notes.push(MaterialNote::Unreadable { path, reason: e.to_string() }),
+        Ok((materials, _)) => out.materials = materials,
+        Err(e) => out.notes.push(MaterialNote::Unreadable { path: path.to_owned(), reason: e.to_string() }),
     }
+    out
 }
 
 /// The text without the colours that `tobj` would give up the whole library (or panic) for.

@@ -29,7 +29,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 pub use error::{Location, Place, ReadError};
-pub use materials::{Material, MaterialNote, Materials, load_materials};
+pub use materials::{Material, MaterialNote, Materials, load_materials, parse_materials};
 pub use notes::{ReadNotes, UvDropped};
 pub use write::{WriteError, check_replaceable, replace, write, write_obj, write_ply};
 
