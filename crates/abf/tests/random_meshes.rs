@@ -228,7 +228,10 @@ fn outcome(seed: u64) -> Result<String, String> {
     let word = match (valid, flat.termination.is_as_asked()) {
         (true, true) => "certified".to_owned(),
         (true, false) => format!("valid, {}", flat.termination),
-        (false, _) => format!("not valid, {}", flat.termination),
+        (false, _) => {
+            let why = flat.rungs.iter().rev().find_map(|rung| rung.error.as_ref());
+            format!("not valid, {}: {}", flat.termination, why.map_or_else(String::new, |error| named(error)))
+        }
     };
     let limits = if flat.precision_limits.is_some() { ", near the limits of doubles" } else { "" };
     Ok(format!("{} {word}{limits}", flat.solver))
