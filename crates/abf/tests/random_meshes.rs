@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-const BY_DEFAULT: u64 = 3000;
+const BY_DEFAULT: u64 = 2000;
 const MOST_TRIANGLES: u64 = 60;
 
 /// Splitmix64 (Steele, Lea, Flood 2014).

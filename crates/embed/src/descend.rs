@@ -223,10 +223,9 @@ impl<'p, 'a> Run<'p, 'a> {
 
     fn descend(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Termination {
         loop {
-            let direction = match self.newton.direction(&self.objective, &self.uv, &self.angles) {
-                Ok(direction) => direction,
-                // The drawing so far is valid, be it the start.
-                Err(_) => return Termination::Stalled,
+            // Without a direction the drawing so far is still valid, be it the start.
+            let Ok(direction) = self.newton.direction(&self.objective, &self.uv, &self.angles) else {
+                return Termination::Stalled;
             };
             let at_floor = self.objective.barrier <= self.settings.barrier_floor;
             let scale = self.objective.scale(&self.angles);
