@@ -1,5 +1,7 @@
 //! What `auto` promises, and every kind of sick triangle through it.
 
+#![allow(clippy::print_stdout, reason = "what is skipped is said")]
+
 mod support;
 
 use abf::mesh::{GeometryError, Point3, TopologyError, TriMesh};

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-const BY_DEFAULT: u64 = 3000;
+const BY_DEFAULT: u64 = 2000;
 const MOST_TRIANGLES: u64 = 60;
 
 /// Splitmix64 (Steele, Lea, Flood 2014).
@@ -228,7 +228,10 @@ fn outcome(seed: u64) -> Result<String, String> {
     let word = match (valid, flat.termination.is_as_asked()) {
         (true, true) => "certified".to_owned(),
         (true, false) => format!("valid, {}", flat.termination),
-        (false, _) => format!("not valid, {}", flat.termination),
+        (false, _) => {
+            let why = flat.rungs.iter().rev().find_map(|rung| rung.error.as_ref());
+            format!("not valid, {}: {}", flat.termination, why.map_or_else(String::new, |error| named(error)))
+        }
     };
     let limits = if flat.precision_limits.is_some() { ", near the limits of doubles" } else { "" };
     Ok(format!("{} {word}{limits}", flat.solver))

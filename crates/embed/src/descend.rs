@@ -99,7 +99,7 @@ impl Descent {
     ///
     /// # Errors
     /// [`EmbedError::Setting`]; [`EmbedError::PointCount`] and [`EmbedError::StartFlipped`] for a start that is not a
-    /// drawing; the errors of [`tutte()`]; [`EmbedError::Linear`] if not even the first step could be computed.
+    /// drawing; the errors of [`tutte()`]; [`EmbedError::Linear`] for a mesh whose matrices are too large.
     ///
     /// # Panics
     /// If the problem is not that of `mesh`.
@@ -124,7 +124,7 @@ impl Descent {
         };
         check_start(topology, &uv)?;
         let mut run = Run::new(*self, problem, &uv)?;
-        let termination = run.descend(stop, &mut watch)?;
+        let termination = run.descend(stop, &mut watch);
         let (uv, area_matched) = scaled_to(topology, run.uv, mesh.area());
         // Those of the last step: scaling may round, and no angle is changed by it.
         let angles = run.angles;
@@ -221,12 +221,11 @@ impl<'p, 'a> Run<'p, 'a> {
         })
     }
 
-    fn descend(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Result<Termination, EmbedError> {
+    fn descend(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Termination {
         loop {
-            let direction = match self.newton.direction(&self.objective, &self.uv, &self.angles) {
-                Ok(direction) => direction,
-                Err(error) if self.history.is_empty() => return Err(error.into()),
-                Err(_) => return Ok(Termination::Stalled),
+            // Without a direction the drawing so far is still valid, be it the start.
+            let Ok(direction) = self.newton.direction(&self.objective, &self.uv, &self.angles) else {
+                return Termination::Stalled;
             };
             let at_floor = self.objective.barrier <= self.settings.barrier_floor;
             let scale = self.objective.scale(&self.angles);
@@ -234,16 +233,16 @@ impl<'p, 'a> Run<'p, 'a> {
             let last = self.history.last().expect("a step is always recorded");
             let small = last.step <= stop.step_tolerance || -last.slope <= self.settings.energy_tolerance * scale;
             if at_floor && small {
-                return Ok(Termination::Converged);
+                return Termination::Converged;
             }
             if let Some(interruption) = watch.interruption() {
-                return Ok(interruption);
+                return interruption;
             }
             if self.history.len() >= stop.max_iterations {
-                return Ok(Termination::MaxIterations);
+                return Termination::MaxIterations;
             }
             match (found, at_floor) {
-                (false, true) => return Ok(Termination::Stalled),
+                (false, true) => return Termination::Stalled,
                 (found, false) if !found || self.is_centred() => self.lower_barrier(),
                 _ => {}
             }
