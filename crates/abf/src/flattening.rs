@@ -26,6 +26,8 @@ pub struct Flattening {
     pub interior_vertices: usize,
     /// How many rings started from their target angles because of their deficit.
     pub switched_rings: usize,
+    /// How many triangles had no shape, an angle below 1e-6, and were solved for as thin ones instead.
+    pub shapeless_faces: usize,
     /// How near the UVs are to what doubles can hold; `None` where there is room to spare.
     pub precision_limits: Option<PrecisionLimits>,
     /// Every solver that was tried, in order, by [`SolverKind::Auto`]; empty for the others.

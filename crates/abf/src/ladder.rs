@@ -33,7 +33,7 @@ const RUNGS: &[Rung] = &[
 /// Climbs until a rung is certified.
 pub(crate) fn climb(task: &Task<'_>, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
     let budget = TimeBudget::start(&task.pipeline.stop);
-    let mut climb = Climb { mesh: task.mesh, best: None, rungs: Vec::new(), first_error: None };
+    let mut climb = Climb { mesh: task.original, best: None, rungs: Vec::new(), first_error: None };
     for rung in RUNGS {
         if let Some(interruption) = climb.interruption(&budget, rung.solver, observer) {
             return climb.end(Some(interruption));

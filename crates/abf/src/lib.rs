@@ -49,6 +49,6 @@ pub use abf_solve_linabf::Passes;
 pub use error::FlattenError;
 pub use flattening::{Flattening, LayoutReport, RungReport};
 pub use memory::predict_memory;
-pub use pipeline::{Pipeline, flatten};
+pub use pipeline::{Pipeline, ZeroArea, flatten};
 pub use precision_limits::PrecisionLimits;
 pub use solver_kind::{SolverKind, UnknownSolver};

@@ -16,6 +16,8 @@ use abf_solve_core::{
 use abf_solve_linabf::LinAbf;
 use abf_solve_minres::Minres;
 use abf_solve_uzawa::Uzawa;
+use std::fmt;
+use std::str::FromStr;
 
 /// Every setting of a flattening. The default is what [`flatten`] does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,6 +43,8 @@ pub struct Pipeline {
     pub barrier: Barrier,
     /// The barrier of the descent.
     pub descent: Descent,
+    /// What becomes of faces without area.
+    pub zero_area: ZeroArea,
     /// How the estimate is made from the angles of the surface.
     pub estimate: EstimateSettings,
     /// When the solver stops. A time limit is one for all solvers of [`SolverKind::Auto`] together; the number of
@@ -56,6 +60,46 @@ pub struct Pipeline {
     /// Refuse meshes for which [`predict_memory`] says more bytes than this; `None`: no limit but that of the system,
     /// which may end the program. [`SolverKind::Auto`] leaves out the rungs that would take more.
     pub max_memory: Option<u64>,
+}
+
+/// What becomes of faces without area.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ZeroArea {
+    /// They get a valid place like all others; their angles, which they do not have, are those of a thin triangle
+    /// ([`AngleProblem::new`]). Metrics leave them out and count them.
+    #[default]
+    Carry,
+    /// The first is an error: [`GeometryError::ZeroArea`](abf_mesh::GeometryError::ZeroArea).
+    Refuse,
+}
+
+impl ZeroArea {
+    /// The name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Carry => "carry",
+            Self::Refuse => "refuse",
+        }
+    }
+}
+
+impl fmt::Display for ZeroArea {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for ZeroArea {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        let known = [Self::Carry, Self::Refuse];
+        known
+            .into_iter()
+            .find(|rule| rule.name() == s)
+            .ok_or_else(|| format!("'{s}' is nothing to do with faces without area; there are: carry, refuse"))
+    }
 }
 
 /// Flattens a disk with the default settings.
@@ -74,12 +118,20 @@ impl Pipeline {
     pub fn run(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         self.check_layout()?;
         self.check_memory(mesh)?;
+        if matches!(self.solver, SolverKind::Auto | SolverKind::Descent) {
+            self.descent.check()?;
+        }
         begin(observer, Stage::Topology)?;
         // No faces is the more useful complaint, so topology comes before geometry.
         let topology = Topology::build(mesh.vertex_count(), mesh.faces())?;
-        mesh.check_geometry()?;
-        let problem = AngleProblem::new(&topology, mesh.corner_angles(), self.estimate)?;
-        let task = Task { pipeline: *self, mesh, problem: &problem };
+        mesh.check_finite()?;
+        let in_range = mesh.in_range();
+        let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
+        if self.zero_area == ZeroArea::Refuse {
+            working.check_geometry()?;
+        }
+        let problem = AngleProblem::new(&topology, working.corner_angles(), self.estimate)?;
+        let task = Task { pipeline: *self, original: mesh, mesh: working, scale, problem: &problem };
         match self.solver {
             SolverKind::Auto => ladder::climb(&task, observer),
             _ => task.run(observer),

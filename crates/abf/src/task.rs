@@ -14,7 +14,12 @@ use abf_solve_core::{AngleSolution, Event, Observer, Stage, Termination};
 #[derive(Clone, Copy)]
 pub(crate) struct Task<'t> {
     pub(crate) pipeline: Pipeline,
+    /// The mesh as it was given.
+    pub(crate) original: &'t TriMesh,
+    /// The mesh that is worked on: the same, or scaled into the range of doubles.
     pub(crate) mesh: &'t TriMesh,
+    /// By what power of two it is scaled.
+    pub(crate) scale: f64,
     pub(crate) problem: &'t AngleProblem<'t>,
 }
 
@@ -144,8 +149,9 @@ impl Task<'_> {
     fn certified(&self, uv: UvMap) -> Result<Certified, FlattenError> {
         let spread = spread(self.mesh, &uv);
         let precision = self.pipeline.precision;
-        let uv = uv.mapped(|p| p.map(|x| precision.round(x)));
-        let certificate = certify(self.mesh, &uv, precision)?;
+        let scale = if self.pipeline.normalize { 1.0 } else { self.scale };
+        let uv = uv.mapped(|p| p.map(|x| precision.round(x / scale)));
+        let certificate = certify(self.original, &uv, precision)?;
         Ok(Certified { uv, certificate, spread })
     }
 
@@ -168,6 +174,7 @@ impl Task<'_> {
             termination: solution.as_ref().map_or(Termination::OnePass, AngleSolution::termination),
             layout,
             interior_vertices: self.problem.rows().interior_count(),
+            shapeless_faces: self.problem.shapeless_faces(),
             switched_rings: if starts_from_an_estimate { self.problem.switched_rings() } else { 0 },
             solution,
             rungs: Vec::new(),

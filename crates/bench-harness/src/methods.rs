@@ -168,6 +168,7 @@ fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
             max_inner_iterations: args.max_inner_iterations.unwrap_or(iterative.max_inner_iterations),
         },
         descent: Descent { barrier_floor: args.barrier_floor.unwrap_or(descent.barrier_floor), ..descent },
+        zero_area: args.zero_area,
         estimate: EstimateSettings {
             ring_switch: args.ring_switch.map_or(estimate.ring_switch, |given| given.0),
             angle_bound: args.angle_bound.unwrap_or(estimate.angle_bound),

@@ -4,6 +4,9 @@ use crate::ConstraintRows;
 use abf_mesh::{CornerId, DiskError, Topology, VertexId};
 use std::f64::consts::{PI, TAU};
 
+/// A triangle with an angle below this, rad, has no shape to speak of.
+const NO_SHAPE: f64 = 1e-6;
+
 /// How the estimate is made from the angles of the surface (LinABF §4.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimateSettings {
@@ -11,7 +14,7 @@ pub struct EstimateSettings {
     /// instead of their own. `None` never switches. LinABF recommends 1.
     pub ring_switch: Option<f64>,
     /// The smallest angle a pass may start from, rad; the largest is π minus this. Angles beyond
-    /// are moved to the bound, and counted.
+    /// are moved to the bound, and counted. Triangles without a shape get at least this, too.
     pub angle_bound: f64,
 }
 
@@ -65,9 +68,9 @@ pub enum ProblemError {
         /// How many corners there are.
         corners: usize,
     },
-    /// An angle that no triangle with area has.
+    /// An angle that no triangle has.
     #[error(
-        "corner {corner} of face {face} has the angle {angle} rad, which is not inside (0, π) ({count} such corners in all)"
+        "corner {corner} of face {face} has the angle {angle} rad, which is not in [0, π] ({count} such corners in all)"
     )]
     Angle {
         /// The place of the first such corner in its face: 0, 1 or 2.
@@ -103,22 +106,28 @@ pub struct AngleProblem<'a> {
     estimate: Vec<f64>,
     switched_rings: usize,
     moved_angles: usize,
+    shapeless_faces: usize,
 }
 
 impl<'a> AngleProblem<'a> {
     /// The problem of a disk whose corners have `mesh_angles` (radians, one per corner).
     ///
+    /// A triangle with an angle below 1e-6, as one without area has, has no shape that could be kept: its angles are
+    /// raised to [`EstimateSettings::angle_bound`] where they are below, and the rest of π is shared by what they have
+    /// above it. So `α°`, targets and weights are those of a thin triangle instead.
+    ///
     /// # Errors
-    /// [`ProblemError`] when the surface is no disk, an angle is not inside `(0, π)`, or a setting
+    /// [`ProblemError`] when the surface is no disk, an angle is not in `[0, π]`, or a setting
     /// is out of range.
     pub fn new(
         topology: &'a Topology,
-        mesh_angles: Vec<f64>,
+        mut mesh_angles: Vec<f64>,
         settings: EstimateSettings,
     ) -> Result<Self, ProblemError> {
         settings.check()?;
         topology.require_disk()?;
         check_angles(topology, &mesh_angles)?;
+        let shapeless_faces = give_shape(&mut mesh_angles, settings.angle_bound);
         let rows = ConstraintRows::new(topology);
         let mut target = mesh_angles.clone();
         let mut estimate = mesh_angles.clone();
@@ -136,7 +145,18 @@ impl<'a> AngleProblem<'a> {
         }
         let moved_angles = settings.clamp(&mut estimate);
         let weight = target.iter().map(|a| 1.0 / (a * a)).collect();
-        Ok(Self { topology, rows, settings, mesh_angles, target, weight, estimate, switched_rings, moved_angles })
+        Ok(Self {
+            topology,
+            rows,
+            settings,
+            mesh_angles,
+            target,
+            weight,
+            estimate,
+            switched_rings,
+            moved_angles,
+            shapeless_faces,
+        })
     }
 
     /// Who meets whom.
@@ -157,7 +177,7 @@ impl<'a> AngleProblem<'a> {
         &self.settings
     }
 
-    /// α°: the angles of the surface.
+    /// α°: the angles of the surface, those of triangles without a shape bounded.
     #[must_use]
     pub fn mesh_angles(&self) -> &[f64] {
         &self.mesh_angles
@@ -196,6 +216,12 @@ impl<'a> AngleProblem<'a> {
         self.switched_rings
     }
 
+    /// How many triangles had no shape and were given one.
+    #[must_use]
+    pub fn shapeless_faces(&self) -> usize {
+        self.shapeless_faces
+    }
+
     /// How many angles of the estimate were moved to the angle bounds.
     #[must_use]
     pub fn moved_angles(&self) -> usize {
@@ -213,11 +239,25 @@ fn ring_sum(topology: &Topology, vertex: VertexId, angles: &[f64]) -> f64 {
     topology.fan(vertex).map(|c| angles[c.index()]).sum()
 }
 
+/// Bounds the angles of the triangles that have no shape, and counts them.
+fn give_shape(angles: &mut [f64], bound: f64) -> usize {
+    let is_shapeless = |face: &[f64]| face.iter().any(|x| *x < NO_SHAPE);
+    let mut count = 0;
+    for face in angles.chunks_exact_mut(3).filter(|face| is_shapeless(face)) {
+        face.iter_mut().for_each(|x| *x = x.max(bound) - bound);
+        let sum: f64 = face.iter().sum();
+        let room = PI - 3.0 * bound;
+        face.iter_mut().for_each(|x| *x = bound + room * *x / sum);
+        count += 1;
+    }
+    count
+}
+
 fn check_angles(topology: &Topology, angles: &[f64]) -> Result<(), ProblemError> {
     if angles.len() != topology.corner_count() {
         return Err(ProblemError::AngleCount { given: angles.len(), corners: topology.corner_count() });
     }
-    let outside = |x: &f64| !(*x > 0.0 && *x < PI);
+    let outside = |x: &f64| !(0.0..=PI).contains(x);
     match angles.iter().position(outside) {
         None => Ok(()),
         Some(c) => Err(ProblemError::Angle {
@@ -275,6 +315,22 @@ mod tests {
     }
 
     #[test]
+    fn triangles_without_a_shape_are_given_a_thin_one_and_counted() {
+        let mesh = Shape::Obtuse.mesh(3);
+        let topology = topology(&mesh);
+        let mut angles = mesh.corner_angles();
+        angles[..3].copy_from_slice(&[0.0, PI, 0.0]);
+        angles[3..6].copy_from_slice(&[PI / 2.0, 0.0, PI / 2.0]);
+        let problem = AngleProblem::new(&topology, angles.clone(), EstimateSettings::default()).expect("a disk");
+        assert_eq!(problem.shapeless_faces(), 2);
+        assert!((problem.mesh_angles()[1] - (PI - 2e-3)).abs() < 1e-15);
+        assert!((problem.mesh_angles()[4] - 1e-3).abs() < 1e-15);
+        let sum = |face: usize| problem.mesh_angles()[3 * face..3 * face + 3].iter().sum::<f64>();
+        assert!((0..3).all(|face| (sum(face) - PI).abs() < 1e-14));
+        assert_eq!(problem.mesh_angles()[6..], angles[6..], "what has a shape keeps it");
+    }
+
+    #[test]
     fn bad_settings_and_angles_are_named() {
         let mesh = Shape::Obtuse.mesh(3);
         let topology = topology(&mesh);
@@ -282,9 +338,9 @@ mod tests {
         let e = AngleProblem::new(&topology, mesh.corner_angles(), bad).unwrap_err();
         assert_eq!(e.to_string(), "angle_bound must be in (0, π/3), got 2");
         let mut angles = mesh.corner_angles();
-        angles[4] = 0.0;
+        angles[4] = -0.5;
         let e = AngleProblem::new(&topology, angles, EstimateSettings::default()).unwrap_err();
-        assert_eq!(e, ProblemError::Angle { corner: 1, face: 1, angle: 0.0, count: 1 });
+        assert_eq!(e, ProblemError::Angle { corner: 1, face: 1, angle: -0.5, count: 1 });
         let e = AngleProblem::new(&topology, vec![1.0; 4], EstimateSettings::default()).unwrap_err();
         assert_eq!(e, ProblemError::AngleCount { given: 4, corners: 9 });
     }

@@ -126,7 +126,8 @@ impl Descent {
         let mut run = Run::new(*self, problem, &uv)?;
         let termination = run.descend(stop, &mut watch)?;
         let (uv, area_matched) = scaled_to(topology, run.uv, mesh.area());
-        let angles = measured(topology, &uv);
+        // Those of the last step: scaling may round, and no angle is changed by it.
+        let angles = run.angles;
         Ok(DescentSolution {
             uv,
             angles,
@@ -138,7 +139,11 @@ impl Descent {
         })
     }
 
-    fn check(&self) -> Result<(), EmbedError> {
+    /// Checks that every setting is in its range; [`Descent::solve`] calls it first.
+    ///
+    /// # Errors
+    /// [`EmbedError::Setting`] naming the setting and its range.
+    pub fn check(&self) -> Result<(), EmbedError> {
         let positive = "positive and finite";
         let fault = |name, allowed, value| Err(EmbedError::Setting { name, allowed, value });
         for (name, value) in [

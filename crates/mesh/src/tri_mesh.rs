@@ -1,6 +1,7 @@
 //! Coordinates and faces, as read: no promise about topology.
 
 use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
 use crate::{FaceId, Point3, VertexId};
 
@@ -113,7 +114,8 @@ impl TriMesh {
 
     /// The angle of every corner, in radians: `atan2(|e₁ × e₂|, e₁ · e₂)`, length `3 nt`.
     ///
-    /// The two-argument arctangent keeps full relative accuracy for angles near 0, where the
+    /// They sum to π in every triangle. Where two corners of one lie on each other its angles are the limit π/2, π/2, 0,
+    /// where all three do, π/3. The two-argument arctangent keeps full relative accuracy for angles near 0, where the
     /// arc cosine of a normalised dot product has none.
     #[must_use]
     pub fn corner_angles(&self) -> Vec<f64> {
@@ -121,6 +123,24 @@ impl TriMesh {
         let into = angles.as_chunks_mut::<3>().0.par_iter_mut().with_min_len(FACES_PER_TASK);
         into.zip(&self.faces).for_each(|(angles, face)| *angles = triangle_angles(&self.corners_of(face)));
         angles
+    }
+
+    /// The same mesh with every coordinate multiplied by a power of two, for coordinates so large or small that their
+    /// products leave the range of doubles, and that power; `None` where they are not. Nothing is rounded but what is
+    /// below 1e-290 of the largest coordinate.
+    #[must_use]
+    pub fn in_range(&self) -> Option<(Self, f64)> {
+        /// Fourth powers of what is in here, and of 1e-20 of it, are doubles.
+        const SAFE: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
+        let largest = self.positions.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+        if largest == 0.0 || SAFE.contains(&largest) || !largest.is_finite() {
+            return None;
+        }
+        // Subnormal numbers have no exponent of their own; 2^1000 brings them up as well as is needed.
+        let exponent = largest.log2().floor().clamp(-1000.0, 1000.0);
+        let scale = (-exponent).exp2();
+        let positions = self.positions.iter().map(|p| p * scale).collect();
+        Some((Self { positions, faces: self.faces.clone() }, scale))
     }
 
     /// The total area of the surface.
@@ -137,6 +157,17 @@ impl TriMesh {
         used.iter().filter(|&&u| !u).count()
     }
 
+    /// Checks that every coordinate is finite.
+    ///
+    /// # Errors
+    /// [`GeometryError::NotFinite`] with the first vertex and the count.
+    pub fn check_finite(&self) -> Result<(), GeometryError> {
+        let bad = |p: &&Point3<f64>| !p.iter().all(|x| x.is_finite());
+        let Some(first) = self.positions.iter().position(|p| bad(&p)) else { return Ok(()) };
+        let count = self.positions.iter().filter(bad).count();
+        Err(GeometryError::NotFinite { first: VertexId::new(first), count })
+    }
+
     /// Checks that every coordinate is finite and every face has an area.
     ///
     /// A face has no area when `|e₁ × e₂|` is within the rounding of the product of its two
@@ -145,11 +176,7 @@ impl TriMesh {
     /// # Errors
     /// [`GeometryError::NotFinite`] or [`GeometryError::ZeroArea`], with the first and the count.
     pub fn check_geometry(&self) -> Result<(), GeometryError> {
-        let bad = |p: &&Point3<f64>| !p.iter().all(|x| x.is_finite());
-        if let Some(first) = self.positions.iter().position(|p| bad(&p)) {
-            let count = self.positions.iter().filter(bad).count();
-            return Err(GeometryError::NotFinite { first: VertexId::new(first), count });
-        }
+        self.check_finite()?;
         let is_flat = |&f: &usize| has_no_area(&self.corners_of(&self.faces[f]));
         let faces = (0..self.face_count()).into_par_iter().with_min_len(FACES_PER_TASK);
         let flat: Vec<usize> = faces.filter(is_flat).collect();
@@ -163,6 +190,14 @@ impl TriMesh {
 /// The three angles of one triangle, radians.
 fn triangle_angles([a, b, c]: &[Point3<f64>; 3]) -> [f64; 3] {
     let (ab, bc, ca) = (b - a, c - b, a - c);
+    if a == b || b == c || c == a {
+        return match (a == b, b == c, c == a) {
+            (true, true, _) => [FRAC_PI_3; 3],
+            (true, ..) => [FRAC_PI_2, FRAC_PI_2, 0.0],
+            (_, true, _) => [0.0, FRAC_PI_2, FRAC_PI_2],
+            _ => [FRAC_PI_2, 0.0, FRAC_PI_2],
+        };
+    }
     let angle = |out: nalgebra::Vector3<f64>, back: nalgebra::Vector3<f64>| {
         let back = -back;
         out.cross(&back).norm().atan2(out.dot(&back))
@@ -209,6 +244,31 @@ mod tests {
             let m = mesh(&points, &[[0, 1, 3], [0, 1, 2], [1, 2, 0]]);
             let e = m.check_geometry().unwrap_err();
             assert_eq!(e, GeometryError::ZeroArea { first: FaceId::new(1), count: 2 });
+        }
+    }
+
+    #[test]
+    fn the_angles_of_collapsed_triangles_sum_to_a_straight_one() {
+        let (p, q, r) = ([0.1, 0.2, 0.3], [1.0, 0.0, 2.0], [1.9, -0.2, 3.7]);
+        let m = mesh(&[p, q, r, q, q], &[[0, 1, 3], [1, 0, 3], [1, 3, 0], [1, 3, 4], [0, 1, 2]]);
+        let angles = m.corner_angles();
+        for face in angles.chunks(3) {
+            assert!((face.iter().sum::<f64>() - std::f64::consts::PI).abs() < 1e-14, "{face:?}");
+        }
+        assert_eq!(angles[..3], [0.0, FRAC_PI_2, FRAC_PI_2]);
+        assert_eq!(angles[9..12], [FRAC_PI_3; 3]);
+    }
+
+    #[test]
+    fn coordinates_at_the_ends_of_the_range_are_brought_back_by_a_power_of_two() {
+        let points = [[0.0; 3], [1.0, 0.0, 0.3], [0.0, 0.7, 0.0]];
+        assert_eq!(mesh(&points, &[[0, 1, 2]]).in_range(), None);
+        for scale in [1e-300, 1e-150, 1e150, 1e300] {
+            let extreme = mesh(&points.map(|p| p.map(|x| x * scale)), &[[0, 1, 2]]);
+            let (inside, factor) = extreme.in_range().expect("out of range");
+            assert!(inside.area() > 0.1 && inside.area() < 10.0);
+            let back = inside.positions().iter().map(|p| p / factor);
+            assert!(back.zip(extreme.positions()).all(|(p, q)| p == *q));
         }
     }
 

@@ -82,15 +82,21 @@ impl LeastCorrection {
     /// # Errors
     /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
     pub fn new(topology: &Topology, rows: &ConstraintRows, lambda: Vec<f64>) -> Result<Self, LinearError> {
-        let spokes = Spokes::new(topology, rows);
-        let graph = spokes.graph(rows);
-        let (order, parts) = graph.in_parts(&graph.amd()?);
-        let pattern = abf_linalg::SymmetricPattern::of_blocks(&graph, &order, 1);
-        let symbolic = SymbolicCholesky::analyse(Arc::new(pattern))?;
         let inverse: Vec<f64> = lambda.iter().map(|l| 1.0 / l).collect();
-        let mut a = Block::zeros(rows);
-        vertex_block(rows, &inverse, &mut a);
-        let [b, c, d] = [Block::zeros(rows), Block::zeros(rows), Block::zeros(rows)];
+        let spokes = Spokes::new(topology, rows);
+        let analyse = || {
+            let graph = spokes.graph(rows);
+            let (order, parts) = graph.in_parts(&graph.amd()?);
+            let pattern = abf_linalg::SymmetricPattern::of_blocks(&graph, &order, 1);
+            SymbolicCholesky::analyse(Arc::new(pattern)).map(|symbolic| (order, parts, symbolic))
+        };
+        // An ordering is one long thread: what else there is to do goes beside it.
+        let (analysed, [a, b, c, d]) = rayon::join(analyse, || {
+            let mut blocks = [(); 4].map(|()| Block::zeros(rows));
+            vertex_block(rows, &inverse, &mut blocks[0]);
+            blocks
+        });
+        let (order, parts, symbolic) = analysed?;
         Ok(Self {
             lambda,
             inverse,

@@ -98,7 +98,10 @@ impl AngleSolver for LinAbf {
     ) -> Result<AngleSolution, SolveError> {
         stop.check()?;
         let mut watch = Watch::start(stop, observer);
-        let mut run = Run::new(problem, self.inner(problem, stop)?);
+        // The ordering is one long thread: the sines go beside it.
+        let first = || linearise(problem.rows(), problem.estimate());
+        let (inner, first) = rayon::join(|| self.inner(problem, stop), first);
+        let mut run = Run::new(problem, inner?, first);
         let termination = loop {
             match run.pass(stop, &mut watch) {
                 Ok(()) => {}
@@ -179,8 +182,7 @@ struct Run<'p, 'a> {
 }
 
 impl<'p, 'a> Run<'p, 'a> {
-    fn new(problem: &'p AngleProblem<'a>, inner: Inner) -> Self {
-        let (residual, wheel) = linearise(problem.rows(), problem.estimate());
+    fn new(problem: &'p AngleProblem<'a>, inner: Inner, (residual, wheel): (Vec<f64>, WheelDerivative)) -> Self {
         Self {
             problem,
             inner,

@@ -1,7 +1,7 @@
 //! The options of the solvers, and the values they take.
 
 use abf::solve_core::InnerTolerance;
-use abf::{Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, WheelForm};
+use abf::{Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, WheelForm, ZeroArea};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::value_parser;
 use std::fmt;
@@ -35,6 +35,9 @@ pub(crate) struct MethodArgs {
     /// Scale the UVs into the unit square; otherwise they have the area of the surface
     #[arg(long)]
     pub(crate) normalize: bool,
+    /// What becomes of faces without area: they get a place like all others, or are refused
+    #[arg(long, value_name = "carry|refuse", default_value_t, value_parser = one_of::<ZeroArea, _>(["carry", "refuse"]))]
+    pub(crate) zero_area: ZeroArea,
     /// How many threads to use; the results are the same for any number [default: one per core]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=MOST_THREADS))]
     pub(crate) threads: Option<u16>,

@@ -51,6 +51,8 @@ pub(crate) struct Run {
     pub(crate) moved_angles: usize,
     /// Rings that started from their target angles.
     pub(crate) switched_rings: usize,
+    /// Triangles without a shape, solved for as thin ones.
+    pub(crate) shapeless_faces: usize,
     /// The layout that was used; never `auto`. `None` for the descent, whose unknowns are the UVs.
     #[serde(serialize_with = "as_optional_text")]
     pub(crate) layout: Option<LayoutKind>,
@@ -149,6 +151,7 @@ impl Run {
             fallbacks: solution.map(AngleSolution::fallbacks),
             moved_angles: solution.map_or(0, AngleSolution::moved_angles) + flat.layout.moved_angles,
             switched_rings: flat.switched_rings,
+            shapeless_faces: flat.shapeless_faces,
             layout: flat.layout.kind,
             closing_error: flat.layout.closing_error,
             pinned: flat.layout.pinned,

@@ -4,7 +4,7 @@ use super::{as_optional_text, as_text};
 use crate::args::InnerAccuracy;
 use crate::methods::{has_a_barrier, iterates_inside, keeps_constraints, makes_passes};
 use abf::solve_core::InnerTolerance;
-use abf::{Hessian, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, WheelForm};
+use abf::{Hessian, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, WheelForm, ZeroArea};
 use serde::{Serialize, Serializer};
 
 /// The settings. What does not concern the solver is `None`, but for those every run has.
@@ -48,6 +48,9 @@ pub(crate) struct Asked {
     pub(crate) max_iterations: usize,
     /// Seconds; `None` for no limit.
     pub(crate) time_limit_s: Option<f64>,
+    /// What becomes of faces without area.
+    #[serde(serialize_with = "as_text")]
+    pub(crate) zero_area: ZeroArea,
     /// Whether the UVs are scaled into the unit square.
     pub(crate) normalize: bool,
     /// Threads in use.
@@ -79,6 +82,7 @@ impl Asked {
             tolerance: pipeline.stop.tolerance,
             max_iterations: pipeline.stop.max_iterations,
             time_limit_s: pipeline.stop.time_limit.map(|limit| limit.as_secs_f64()),
+            zero_area: pipeline.zero_area,
             normalize: pipeline.normalize,
             threads: rayon::current_num_threads(),
             keeps_constraints: keeps_constraints(solver),

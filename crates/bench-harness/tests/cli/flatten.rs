@@ -5,7 +5,7 @@ use crate::surfaces;
 use serde_json::Value;
 use std::process::Stdio;
 
-const FIELDS: [&str; 40] = [
+const FIELDS: [&str; 41] = [
     "mesh",
     "triangles",
     "vertices",
@@ -42,12 +42,13 @@ const FIELDS: [&str; 40] = [
     "notes",
     "peak_memory_bytes",
     "solved_by",
+    "shapeless_faces",
     "rungs",
     "pinned",
     "scaled",
     "precision_limits",
 ];
-const SETTINGS: [&str; 17] = [
+const SETTINGS: [&str; 18] = [
     "passes",
     "wheel",
     "hessian",
@@ -63,6 +64,7 @@ const SETTINGS: [&str; 17] = [
     "tolerance",
     "max_iterations",
     "time_limit_s",
+    "zero_area",
     "normalize",
     "threads",
 ];
@@ -157,7 +159,7 @@ fn a_result_that_is_not_converged_gives_exit_code_1_and_is_written_all_the_same(
     let folder = Folder::new();
     let out = folder.path("out.obj");
     for (options, termination) in
-        [("--passes 2 --tolerance 1e-300", "max-iterations"), ("--time-limit 0", "time-limit")]
+        [("--solver linabf --passes 2 --tolerance 1e-300", "max-iterations"), ("--time-limit 0", "time-limit")]
     {
         let options = format!("{options} --json - -o {}", out.display());
         let ran = run_on(&options, &[&fixture("spiky-field")]);
@@ -182,8 +184,9 @@ fn the_settings_reach_the_json() {
     let settings = run_on(options, &[&fixture("pyramid")]).result()["settings"].clone();
     let expected = serde_json::json!({
         "passes": 3, "wheel": null, "hessian": null, "line_search": null, "reduction": null,
-        "preconditioner": null, "max_inner_iterations": null, "inner_tolerance": null, "layout": "poisson", "ring_switch": null, "angle_bound": 0.01, "tolerance": 1e-6,
-        "max_iterations": 7, "time_limit_s": 90.0, "normalize": true, "threads": 2
+        "preconditioner": null, "max_inner_iterations": null, "inner_tolerance": null, "barrier_floor": 1e-3,
+        "layout": "poisson", "ring_switch": null, "angle_bound": 0.01, "tolerance": 1e-6,
+        "max_iterations": 7, "time_limit_s": 90.0, "zero_area": "carry", "normalize": true, "threads": 2
     });
     assert_eq!(settings, expected);
 }

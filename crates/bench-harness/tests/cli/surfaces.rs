@@ -105,8 +105,3 @@ pub(crate) fn inconsistent() -> String {
     faces[1].swap(0, 1);
     obj(&PYRAMID.0, &faces)
 }
-
-pub(crate) fn zero_area() -> String {
-    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
-    obj(&points, &[[0, 1, 2], [1, 0, 3]])
-}

@@ -1,0 +1,259 @@
+//! What `auto` promises, and every kind of sick triangle through it.
+
+mod support;
+
+use abf::mesh::{GeometryError, Point3, TopologyError, TriMesh};
+use abf::{
+    Event, FlattenError, Flattening, LayoutKind, Observer, Pipeline, Silent, SolverKind, StopCriteria, Termination,
+    Verdict, ZeroArea,
+};
+use abf_shapes::Shape;
+use std::f64::consts::TAU;
+use std::time::Duration;
+use support::{models, read};
+
+fn mesh(points: &[[f64; 3]], faces: &[[usize; 3]]) -> TriMesh {
+    TriMesh::new(points.iter().map(|&p| Point3::from(p)).collect(), faces).expect("indices in range")
+}
+
+fn certified(mesh: &TriMesh) -> Flattening {
+    let flat = abf::flatten(mesh).expect("a flattening");
+    assert!(flat.is_certified(), "{} {}: {:?}", flat.solver, flat.termination, flat.rungs);
+    let metrics = flat.metrics(mesh).expect("metrics");
+    assert!(metrics.valid());
+    flat
+}
+
+/// A fan around vertex 0 through these points.
+fn fan(apex: [f64; 3], rim: &[[f64; 3]]) -> TriMesh {
+    let n = rim.len();
+    let points: Vec<[f64; 3]> = std::iter::once(apex).chain(rim.iter().copied()).collect();
+    let faces: Vec<[usize; 3]> = (0..n).map(|k| [0, 1 + k, 1 + (k + 1) % n]).collect();
+    mesh(&points, &faces)
+}
+
+#[test]
+fn well_behaved_meshes_have_the_bits_of_linabf() {
+    for shape in Shape::ALL {
+        let mesh = shape.mesh(700);
+        let linabf = Pipeline { solver: SolverKind::LinAbf, ..Pipeline::default() };
+        let named = linabf.run(&mesh, &mut Silent).expect("a flattening");
+        let auto = certified(&mesh);
+        if named.is_certified() && named.layout == auto.layout {
+            assert_eq!(auto.uv, named.uv, "{shape}");
+            assert_eq!((auto.solver, auto.rungs.len()), (SolverKind::LinAbf, 1), "{shape}");
+        }
+    }
+}
+
+#[test]
+fn the_descent_is_valid_by_name_and_stands_where_layouts_do() {
+    for shape in [Shape::Obtuse, Shape::SpikyField, Shape::Hemisphere] {
+        let mesh = shape.mesh(600);
+        let descent = Pipeline { solver: SolverKind::Descent, ..Pipeline::default() };
+        let flat = descent.run(&mesh, &mut Silent).expect("a flattening");
+        assert!(flat.is_certified(), "{shape}");
+        assert!((flat.uv.signed_area() / mesh.area() - 1.0).abs() < 1e-12 && flat.layout.scaled && flat.layout.pinned);
+        let lying = certified(&mesh).uv;
+        let at_origin = lying.points().iter().position(|p| p.coords.norm() < 1e-12).expect("a pin");
+        assert!(flat.uv.points()[at_origin].coords.norm() < 1e-12, "the same pin");
+        let squeezed = Pipeline { normalize: true, ..descent }.run(&mesh, &mut Silent).expect("a flattening");
+        let (low, high) = squeezed.uv.bounds().expect("points");
+        assert_eq!((low.coords.amax(), (high - low).amax()), (0.0, 1.0));
+        assert!(squeezed.certificate.valid());
+    }
+    let tree = abf::LayoutSettings { kind: LayoutKind::Tree, ..abf::LayoutSettings::default() };
+    let refused = Pipeline { solver: SolverKind::Descent, layout: tree, ..Pipeline::default() };
+    let error = refused.run(&Shape::Obtuse.mesh(3), &mut Silent).unwrap_err();
+    assert_eq!(error, FlattenError::DescentLayout(LayoutKind::Tree));
+}
+
+#[test]
+fn a_time_limit_is_one_for_the_whole_ladder() {
+    let stop = StopCriteria { time_limit: Some(Duration::ZERO), ..StopCriteria::default() };
+    let flat = Pipeline { stop, ..Pipeline::default() }.run(&Shape::SpikyField.mesh(3000), &mut Silent);
+    let flat = flat.expect("what there is");
+    assert_eq!((flat.termination, flat.rungs.len()), (Termination::TimeLimit, 1));
+}
+
+/// Cancels when a rung begins.
+struct CancelAt(&'static str, Vec<&'static str>);
+
+impl Observer for CancelAt {
+    fn observe(&mut self, event: Event<'_>) -> Verdict {
+        if let Event::RungStarted(name) = event {
+            self.1.push(name);
+            if name == self.0 {
+                return Verdict::Cancel;
+            }
+        }
+        Verdict::Continue
+    }
+}
+
+#[test]
+fn cancelling_between_rungs_gives_the_best_so_far() {
+    // A tolerance nobody meets: the first rung is valid, and not converged.
+    let stop = StopCriteria { tolerance: 1e-300, max_iterations: 4, ..StopCriteria::default() };
+    let pipeline = Pipeline { stop, ..Pipeline::default() };
+    let mut observer = CancelAt("abf-fixed-target", Vec::new());
+    let flat = pipeline.run(&Shape::SpikyField.mesh(900), &mut observer).expect("the first rung's");
+    assert_eq!((flat.termination, flat.solver), (Termination::Cancelled, SolverKind::LinAbf));
+    assert_eq!(observer.1, ["linabf", "abf-fixed-target"]);
+    let cancelled = pipeline.run(&Shape::SpikyField.mesh(900), &mut CancelAt("linabf", Vec::new()));
+    assert_eq!(cancelled.unwrap_err(), FlattenError::Cancelled);
+}
+
+#[test]
+fn rungs_that_fail_are_reported_and_the_next_is_tried() {
+    let stop = StopCriteria { tolerance: 1e-300, ..StopCriteria::default() };
+    let flat = Pipeline { stop, ..Pipeline::default() }.run(&Shape::SpikyField.mesh(900), &mut Silent).expect("one");
+    let tried: Vec<&str> = flat.rungs.iter().map(|rung| rung.solver.name()).collect();
+    assert_eq!(tried, ["linabf", "abf-fixed-target", "descent"]);
+    assert!(flat.is_certified() && flat.solver == SolverKind::Descent);
+    assert!(flat.rungs.iter().all(|rung| rung.f.is_some_and(|f| f > 0.0)), "they are compared");
+}
+
+#[test]
+fn a_mesh_of_one_triangle_and_one_without_an_interior_vertex() {
+    certified(&mesh(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], &[[0, 1, 2]]));
+    let strip = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0], [1.0, 1.0, -1.0], [0.0, 2.0, 0.0]];
+    certified(&mesh(&strip, &[[0, 1, 2], [1, 3, 2], [2, 3, 4]]));
+}
+
+#[test]
+fn angles_of_a_ten_millionth_and_faces_without_any_area() {
+    for height in [1e-3, 1e-5, 1e-7, 1e-12, 0.0] {
+        // A cap over the middle of an edge.
+        let cap = [[0.0; 3], [2.0, 0.0, 0.0], [1.0, height, 0.0], [1.0, 2.0, 0.3], [1.0, -2.0, 0.0]];
+        let flat = certified(&mesh(&cap, &[[0, 1, 2], [1, 3, 2], [3, 0, 2], [1, 0, 4]]));
+        assert_eq!(flat.shapeless_faces, usize::from(height < 1e-6), "{height}");
+        // A needle between two triangles.
+        let needle = [[0.0; 3], [height, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.5, 0.2], [1.0, 0.5, 0.0]];
+        certified(&mesh(&needle, &[[0, 1, 2], [0, 2, 3], [1, 4, 2]]));
+    }
+}
+
+#[test]
+fn faces_without_area_are_carried_and_counted_or_refused() {
+    let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
+    let mesh = mesh(&points, &[[0, 1, 2], [1, 0, 3]]);
+    let flat = certified(&mesh);
+    assert_eq!(flat.shapeless_faces, 1);
+    assert_eq!(flat.metrics(&mesh).expect("metrics").degenerate_3d, 1);
+    let strict = Pipeline { zero_area: ZeroArea::Refuse, ..Pipeline::default() };
+    let error = strict.run(&mesh, &mut Silent).unwrap_err();
+    assert!(matches!(error, FlattenError::Geometry(GeometryError::ZeroArea { count: 1, .. })), "{error}");
+}
+
+#[test]
+fn vertices_in_the_same_place() {
+    let rim = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]];
+    certified(&fan(rim[0], &rim));
+    let twice = [rim[0], rim[0], rim[1], rim[2], rim[2], rim[3]];
+    certified(&fan([0.0; 3], &twice));
+    // An interior edge without length.
+    let points = [[0.0; 3], [0.0; 3], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.4]];
+    let faces = [[0, 2, 3], [0, 3, 1], [1, 3, 4], [1, 4, 5], [0, 1, 5], [0, 5, 2]];
+    certified(&mesh(&points, &faces));
+    // Nothing but one place: there is no surface to speak of.
+    let error = abf::flatten(&mesh(&[[1.0; 3]; 3], &[[0, 1, 2]])).unwrap_err();
+    assert!(matches!(error, FlattenError::Certificate(abf::MetricsError::NoArea { faces: 1 })), "{error:?}");
+}
+
+#[test]
+fn needle_fans() {
+    for n in [3, 7, 40, 300] {
+        let rim = |height: f64| -> Vec<[f64; 3]> {
+            (0..n).map(|k| TAU * f64::from(k) / f64::from(n)).map(|a| [a.cos(), a.sin(), height]).collect()
+        };
+        certified(&fan([0.0; 3], &rim(0.0)));
+        certified(&fan([0.0; 3], &rim(1e4)));
+        certified(&fan([0.999_999, 0.0, 0.0], &rim(0.0)));
+    }
+}
+
+#[test]
+fn deficits_up_to_four_pi() {
+    // Saddles whose rims go up and down: Σα° up to 6π around the middle.
+    for waves in [3, 6, 9] {
+        let n = 4 * waves;
+        let rim: Vec<[f64; 3]> = (0..n)
+            .map(|k| (TAU * f64::from(k) / f64::from(n), if k % 4 < 2 { 2.5 } else { -2.5 }))
+            .map(|(a, z)| [a.cos(), a.sin(), z])
+            .collect();
+        certified(&fan([0.0; 3], &rim));
+    }
+    // A cone with hardly any angle at its tip.
+    let rim = [[1e-6, 0.0, 1.0], [-5e-7, 8e-7, 1.0], [-5e-7, -8e-7, 1.0]];
+    certified(&fan([0.0; 3], &rim));
+}
+
+#[test]
+fn interior_vertices_of_degree_one_and_two_are_named() {
+    let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.4, 0.2, 0.0]];
+    // Degree 1: a face that uses a vertex twice.
+    let error = abf::flatten(&mesh(&points, &[[0, 1, 2], [0, 1, 1]])).unwrap_err();
+    assert!(matches!(error, FlattenError::Topology(TopologyError::RepeatedVertex { .. })), "{error}");
+    // Degree 2: two faces on the same three vertices, beside another on their common edge.
+    let error = abf::flatten(&mesh(&points, &[[0, 1, 2], [3, 1, 0], [3, 0, 1]])).unwrap_err();
+    let is_named = matches!(
+        error,
+        FlattenError::Topology(TopologyError::NonManifoldEdge { .. } | TopologyError::InconsistentOrientation { .. })
+    );
+    assert!(is_named, "{error}");
+}
+
+#[test]
+fn triangles_a_hundred_thousand_times_as_large_as_others() {
+    let rim =
+        [[1.0, 0.0, 0.0], [1e5, 1e5, 3e4], [0.0, 1.0, 0.0], [-1e5, 0.5, 0.0], [-1.0, -1.0, 0.0], [0.5, -1e5, 9e4]];
+    certified(&fan([0.0; 3], &rim));
+}
+
+#[test]
+fn coordinates_at_the_ends_of_the_range() {
+    for shape in [Shape::SpikyField, Shape::Hemisphere, Shape::Obtuse] {
+        let plain = shape.mesh(300);
+        let expected = certified(&plain);
+        for power in [-498, 498] {
+            let scale = 2_f64.powi(power);
+            let faces: Vec<[usize; 3]> = plain.faces().iter().map(|f| f.map(abf::mesh::VertexId::index)).collect();
+            let scaled = plain.positions().iter().map(|p| p * scale).collect();
+            let scaled = TriMesh::new(scaled, &faces).expect("indices in range");
+            let flat = certified(&scaled);
+            let back = flat.uv.mapped(|p| p / scale);
+            let apart = back.points().iter().zip(expected.uv.points()).map(|(p, q)| (p - q).amax());
+            let size = expected.uv.bounds().map_or(0.0, |(low, high)| (high - low).amax());
+            assert!(apart.fold(0.0, f64::max) < 1e-9 * size, "{shape}");
+        }
+    }
+}
+
+#[test]
+fn auto_is_valid_on_every_model() {
+    let Some(folder) = models(3) else { return };
+    let mut wrong = Vec::new();
+    for name in ["paper", "disks", "hard"] {
+        let entries = std::fs::read_dir(folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        for file in entries.map(|entry| entry.expect("an entry").file_name()) {
+            let file = format!("{name}/{}", file.to_string_lossy());
+            let mesh = read(&folder, &file);
+            let flat = abf::flatten(&mesh).expect("a flattening");
+            if !flat.is_certified() {
+                wrong.push(format!("{file}: {} {}", flat.solver, flat.termination));
+            }
+            // Written with all their digits, UVs have the same certificate when they are read.
+            let mut text = Vec::new();
+            abf::mesh::io::write_obj(&mut text, &mesh, Some(&flat.uv)).expect("memory is writable");
+            let back = abf::mesh::io::parse(abf::mesh::io::MeshFormat::Obj, &file, &text).expect("what was written");
+            let certificate = abf::metrics::certify(&back.mesh, &back.uv.expect("UVs"), abf::Precision::Double);
+            let residual = flat.certificate.constraint_residual;
+            let certificate = certificate.map(|c| abf::Certificate { constraint_residual: residual, ..c });
+            if certificate.as_ref() != Ok(&flat.certificate) {
+                wrong.push(format!("{file}: another certificate once written: {certificate:?}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
