@@ -31,8 +31,8 @@ fn the_prediction_is_above_what_is_taken_and_below_twice_that() {
             assert_predicted(&result, MOST, result["solver"].as_str().expect("a name"));
         }
         for options in [
-            "--passes 1",
-            "--layout least-squares",
+            "--solver linabf --passes 1",
+            "--solver linabf --layout least-squares",
             "--solver uzawa --reduction none --max-iterations 3",
             "--solver minres --reduction none --max-iterations 3",
             "--solver minres --preconditioner jacobi --max-iterations 3 --max-inner-iterations 50",
