@@ -43,7 +43,8 @@ pub(crate) fn climb(task: &Task<'_>, observer: &mut dyn Observer) -> Result<Flat
         // The options of the Newton solvers concern those that are named.
         let named_only = Pipeline { wheel: None, hessian: None, ..task.pipeline };
         let task = Task { pipeline: Pipeline { solver: rung.solver, stop, ..named_only }, ..*task };
-        let result = climb.attempt(&task, observer);
+        // A rung that would take too much is left out: what is below it has its result.
+        let result = task.pipeline.check_memory(task.mesh).and_then(|()| climb.attempt(&task, observer));
         if climb.take(rung.solver, result) {
             break;
         }

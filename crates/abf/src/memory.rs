@@ -41,8 +41,10 @@ const NO_FACTOR: Growth = Growth::Log(860.0, 6.0);
 const WHOLE_LU: Growth = Growth::Power(1660.0, 1.4);
 /// A complex least squares system.
 const LSCM: Growth = Growth::Log(270.0, 34.0);
-/// Methods of several methods, and those over positions: the most that is known of any that does not take a whole LU.
-const MOST: Growth = Growth::Log(720.0, 95.0);
+/// Interior points: factors in double precision, and what the barrier keeps.
+const BARRIER: Growth = Growth::Log(110.0, 95.0);
+/// The descent over positions, and what the ladder comes to when it is climbed to that.
+const DESCENT: Growth = Growth::Log(720.0, 95.0);
 
 /// What a vertex takes that no face uses, and of others the part that the triangles do not cover: its position
 /// as it is read and as it is kept, its UV, indices.
@@ -66,7 +68,8 @@ impl Growth {
 /// disk of so many triangles and vertices.
 ///
 /// It is above what is measured, and mostly below twice that: round meshes with vertices of about six faces come
-/// close to it, long ones and those with few interior vertices take less. Not in it: the code, thread
+/// close to it, long ones and those with few interior vertices take less. Of [`SolverKind::Auto`] it is what its last rung
+/// takes, a multiple of the first, which mostly is enough. Not in it: the code, thread
 /// stacks, and the scratch of the matrix library, which is sized after the processor's caches.
 #[must_use]
 pub fn predict_memory(pipeline: &Pipeline, triangles: usize, vertices: usize) -> u64 {
@@ -98,8 +101,8 @@ fn growth(pipeline: &Pipeline) -> Growth {
                 (_, PreconditionerKind::None | PreconditionerKind::Jacobi) => NO_FACTOR,
             }
         }
-        #[allow(unreachable_patterns, reason = "a method that is not known here must not go unchecked")]
-        _ => MOST,
+        SolverKind::Barrier => BARRIER,
+        SolverKind::Descent | SolverKind::Auto => DESCENT,
     }
 }
 

@@ -58,7 +58,7 @@ pub struct Pipeline {
     /// What the UVs will be stored in: they are rounded to it, and certified as that.
     pub precision: Precision,
     /// Refuse meshes for which [`predict_memory`] says more bytes than this; `None`: no limit but that of the system,
-    /// which may end the program.
+    /// which may end the program. [`SolverKind::Auto`] leaves out the rungs that would take more.
     pub max_memory: Option<u64>,
 }
 
@@ -138,14 +138,16 @@ impl Pipeline {
         }
     }
 
-    fn check_memory(&self, mesh: &TriMesh) -> Result<(), FlattenError> {
+    /// Whether the solver keeps within the limit; of the ladder its first rung, for the others are checked when it is
+    /// their turn.
+    pub(crate) fn check_memory(&self, mesh: &TriMesh) -> Result<(), FlattenError> {
         let Some(limit) = self.max_memory else { return Ok(()) };
         let (triangles, vertices) = (mesh.face_count(), mesh.vertex_count());
-        let predicted = predict_memory(self, triangles, vertices);
+        let lean = Self { solver: SolverKind::LinAbf, passes: Passes::Auto, ..*self };
+        let predicted = predict_memory(if self.solver == SolverKind::Auto { &lean } else { self }, triangles, vertices);
         if predicted <= limit {
             return Ok(());
         }
-        let lean = Self { solver: SolverKind::LinAbf, passes: Passes::Auto, ..*self };
         let leaner = Some((lean.solver.name(), predict_memory(&lean, triangles, vertices)));
         let leaner = leaner.filter(|&(_, bytes)| bytes <= limit);
         Err(FlattenError::Memory { solver: self.solver.name(), triangles, predicted, limit, leaner })

@@ -144,11 +144,12 @@ fn within(budget: &Budget, source: &Source, survey: &Survey, cancel: &Cancel) ->
     let mut share = budget.wait_for(to_read);
     let mut loaded = Loaded::read(source, limit, cancel)?;
     let predicted = predict_memory(pipeline, loaded.mesh.face_count(), loaded.mesh.vertex_count()).max(to_read);
-    let is_refused = limit.is_some_and(|limit| predicted > limit);
-    if !is_refused && !share.grow_to(predicted) {
+    // What may take more than there is either is refused or keeps within the limit by itself.
+    let needed = predicted.min(limit.unwrap_or(u64::MAX));
+    if !share.grow_to(needed) {
         drop(loaded);
         drop(share);
-        let _share = budget.wait_for(predicted);
+        let _share = budget.wait_for(needed);
         loaded = Loaded::read_quietly(source, limit, cancel)?;
         return Ok(run::flatten(&loaded, &survey.method, false, cancel).record);
     }

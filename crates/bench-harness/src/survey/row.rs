@@ -2,7 +2,6 @@
 
 use crate::record::{Outcome, Record};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use std::time::UNIX_EPOCH;
@@ -32,8 +31,8 @@ pub(crate) struct Row {
     pub(crate) mesh: String,
     pub(crate) triangles: Option<usize>,
     pub(crate) solver: Option<String>,
-    /// What a solver of several methods tried, the last one being the one that is shown.
-    pub(crate) rungs: Vec<Value>,
+    /// Whose result it is, of a solver that tries several.
+    pub(super) solved_by: Option<String>,
     pub(crate) result: String,
     pub(crate) valid: bool,
     pub(crate) injective: bool,
@@ -65,11 +64,7 @@ impl Row {
     /// The solver, and what it came down to where it has several methods.
     pub(crate) fn method(&self) -> Option<String> {
         let solver = self.solver.as_deref()?;
-        let rung = self.rungs.last().and_then(|rung| {
-            let name = ["name", "solver", "rung"].into_iter().find_map(|key| rung[key].as_str());
-            name.or(rung.as_str()).map(str::to_owned)
-        });
-        Some(match rung {
+        Some(match self.solved_by.as_deref().filter(|&rung| rung != solver) {
             Some(rung) => format!("{solver}: {rung}"),
             None => solver.to_owned(),
         })
