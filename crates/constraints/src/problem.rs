@@ -247,7 +247,7 @@ fn give_shape(angles: &mut [f64], bound: f64) -> usize {
         face.iter_mut().for_each(|x| *x = x.max(bound) - bound);
         let sum: f64 = face.iter().sum();
         let room = PI - 3.0 * bound;
-        face.iter_mut().for_each(|x| *x = bound + room * *x / sum);
+        face.iter_mut().for_each(|x| *x = if sum > 0.0 { bound + room * *x / sum } else { PI / 3.0 });
         count += 1;
     }
     count

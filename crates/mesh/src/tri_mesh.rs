@@ -187,6 +187,9 @@ impl TriMesh {
     }
 }
 
+/// Edges shorter than this, or longer than its inverse, are scaled before they are multiplied.
+const SHORTEST: f64 = 1e-60;
+
 /// The three angles of one triangle, radians.
 fn triangle_angles([a, b, c]: &[Point3<f64>; 3]) -> [f64; 3] {
     let (ab, bc, ca) = (b - a, c - b, a - c);
@@ -198,6 +201,10 @@ fn triangle_angles([a, b, c]: &[Point3<f64>; 3]) -> [f64; 3] {
             _ => [FRAC_PI_2, 0.0, FRAC_PI_2],
         };
     }
+    // Products of very short or very long edges would leave the range of numbers.
+    let longest = ab.amax().max(bc.amax()).max(ca.amax());
+    let scale = if (SHORTEST..1.0 / SHORTEST).contains(&longest) { 1.0 } else { longest };
+    let (ab, bc, ca) = (ab / scale, bc / scale, ca / scale);
     let angle = |out: nalgebra::Vector3<f64>, back: nalgebra::Vector3<f64>| {
         let back = -back;
         out.cross(&back).norm().atan2(out.dot(&back))
