@@ -188,6 +188,20 @@ impl TriMesh {
 }
 
 /// The three angles of one triangle, radians.
+/// The edges, multiplied by a power of two where their products would leave the range of doubles: a mesh may have
+/// triangles of any size side by side.
+fn in_range(edges: [nalgebra::Vector3<f64>; 3]) -> [nalgebra::Vector3<f64>; 3] {
+    /// The fourth power of a length, which the norm of a cross product takes, is a normal number.
+    const RANGE: std::ops::Range<f64> = 1e-70..1e70;
+    let longest = edges.iter().fold(0.0, |max: f64, edge| max.max(edge.amax()));
+    if RANGE.contains(&longest) || longest == 0.0 || !longest.is_finite() {
+        return edges;
+    }
+    // In two halves, as one may be out of range itself.
+    let half = (-longest.log2() / 2.0).round().exp2();
+    edges.map(|edge| edge * half * half)
+}
+
 fn triangle_angles([a, b, c]: &[Point3<f64>; 3]) -> [f64; 3] {
     let (ab, bc, ca) = (b - a, c - b, a - c);
     if a == b || b == c || c == a {
@@ -198,6 +212,7 @@ fn triangle_angles([a, b, c]: &[Point3<f64>; 3]) -> [f64; 3] {
             _ => [FRAC_PI_2, 0.0, FRAC_PI_2],
         };
     }
+    let [ab, bc, ca] = in_range([ab, bc, ca]);
     let angle = |out: nalgebra::Vector3<f64>, back: nalgebra::Vector3<f64>| {
         let back = -back;
         out.cross(&back).norm().atan2(out.dot(&back))
@@ -229,6 +244,16 @@ mod tests {
         assert!((a[0] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         assert!((a[1] - std::f64::consts::FRAC_PI_4).abs() < 1e-15);
         assert!((m.area() - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn angles_do_not_depend_on_the_size_of_the_triangle() {
+        // Found by fuzzing: beside a vertex at 1e151 all three angles of an ordinary triangle were 0.
+        let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.25, 0.75, 0.5]];
+        let angles = |scale: f64| mesh(&points.map(|p| p.map(|x| x * scale)), &[[0, 1, 2]]).corner_angles();
+        for exponent in [-1000, -700, -500, -300, 300, 500, 700, 1000] {
+            assert_eq!(angles(2.0_f64.powi(exponent)), angles(1.0), "2^{exponent}");
+        }
     }
 
     #[test]
