@@ -247,7 +247,8 @@ fn give_shape(angles: &mut [f64], bound: f64) -> usize {
         face.iter_mut().for_each(|x| *x = x.max(bound) - bound);
         let sum: f64 = face.iter().sum();
         let room = PI - 3.0 * bound;
-        face.iter_mut().for_each(|x| *x = if sum > 0.0 { bound + room * *x / sum } else { PI / 3.0 });
+        // Without any angle above the bound there is nothing to share by.
+        face.iter_mut().for_each(|x| *x = bound + room * if sum > 0.0 { *x / sum } else { 1.0 / 3.0 });
         count += 1;
     }
     count
@@ -276,6 +277,14 @@ mod tests {
 
     fn topology(mesh: &abf_mesh::TriMesh) -> Topology {
         Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold")
+    }
+
+    #[test]
+    fn a_triangle_without_any_angle_becomes_equilateral() {
+        // Found by fuzzing: it got angles that were no numbers.
+        let mut angles = [0.0, 1e-9, 0.0];
+        assert_eq!(give_shape(&mut angles, 1e-3), 1);
+        assert!(angles.iter().all(|x| (x - PI / 3.0).abs() < 1e-12), "{angles:?}");
     }
 
     #[test]

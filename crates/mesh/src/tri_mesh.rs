@@ -187,8 +187,19 @@ impl TriMesh {
     }
 }
 
-/// Edges shorter than this, or longer than its inverse, are scaled before they are multiplied.
-const SHORTEST: f64 = 1e-60;
+/// The edges, multiplied by a power of two where their products would leave the range of doubles: a mesh may have
+/// triangles of any size side by side.
+fn in_range(edges: [nalgebra::Vector3<f64>; 3]) -> [nalgebra::Vector3<f64>; 3] {
+    /// The fourth power of a length, which the norm of a cross product takes, is a normal number.
+    const RANGE: std::ops::Range<f64> = 1e-70..1e70;
+    let longest = edges.iter().fold(0.0, |max: f64, edge| max.max(edge.amax()));
+    if RANGE.contains(&longest) || longest == 0.0 || !longest.is_finite() {
+        return edges;
+    }
+    // In two halves, as one may be out of range itself.
+    let half = (-longest.log2() / 2.0).round().exp2();
+    edges.map(|edge| edge * half * half)
+}
 
 /// The three angles of one triangle, radians.
 fn triangle_angles([a, b, c]: &[Point3<f64>; 3]) -> [f64; 3] {
@@ -201,10 +212,7 @@ fn triangle_angles([a, b, c]: &[Point3<f64>; 3]) -> [f64; 3] {
             _ => [FRAC_PI_2, 0.0, FRAC_PI_2],
         };
     }
-    // Products of very short or very long edges would leave the range of numbers.
-    let longest = ab.amax().max(bc.amax()).max(ca.amax());
-    let scale = if (SHORTEST..1.0 / SHORTEST).contains(&longest) { 1.0 } else { longest };
-    let (ab, bc, ca) = (ab / scale, bc / scale, ca / scale);
+    let [ab, bc, ca] = in_range([ab, bc, ca]);
     let angle = |out: nalgebra::Vector3<f64>, back: nalgebra::Vector3<f64>| {
         let back = -back;
         out.cross(&back).norm().atan2(out.dot(&back))
@@ -236,6 +244,16 @@ mod tests {
         assert!((a[0] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         assert!((a[1] - std::f64::consts::FRAC_PI_4).abs() < 1e-15);
         assert!((m.area() - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn angles_do_not_depend_on_the_size_of_the_triangle() {
+        // Found by fuzzing: beside a vertex at 1e151 all three angles of an ordinary triangle were 0.
+        let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.25, 0.75, 0.5]];
+        let angles = |scale: f64| mesh(&points.map(|p| p.map(|x| x * scale)), &[[0, 1, 2]]).corner_angles();
+        for exponent in [-1000, -700, -500, -300, 300, 500, 700, 1000] {
+            assert_eq!(angles(2.0_f64.powi(exponent)), angles(1.0), "2^{exponent}");
+        }
     }
 
     #[test]
