@@ -111,7 +111,7 @@ fn assert_usage_error(ran: &Ran, part: &str) {
 #[test]
 fn solvers_that_do_not_exist_are_refused_with_those_that_do() {
     assert_usage_error(&run(["--solver", "slim"]), "auto, linabf, abf, abf++, abf-newton, abf-fixed-target");
-    assert_usage_error(&run(["--solver", "lscm,slim"]), "minres, descent, lscm, all");
+    assert_usage_error(&run(["--solver", "lscm,slim"]), "minres, barrier, descent, lscm, all");
     assert_usage_error(&run(["--solver", "lscm,lscm"]), "named twice");
 }
 
@@ -170,7 +170,7 @@ fn outputs_that_make_no_sense_are_refused_before_any_file_is_read() {
     assert_usage_error(&run_on("--json a.png --png a.png", &[&mesh]), "the same file");
     assert_usage_error(&run_on("--json a --history a", &[&mesh]), "the same file");
     for option in ["-o out.obj", "--png out.png"] {
-        assert_usage_error(&run_on(&format!("--solver all {option}"), &[&mesh]), "takes one solver, and there are 10");
+        assert_usage_error(&run_on(&format!("--solver all {option}"), &[&mesh]), "takes one solver, and there are 11");
     }
     assert_eq!(std::fs::read_to_string(&mesh).expect("still there"), surfaces::pyramid());
 }
