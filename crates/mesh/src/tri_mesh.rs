@@ -187,7 +187,6 @@ impl TriMesh {
     }
 }
 
-/// The three angles of one triangle, radians.
 /// The edges, multiplied by a power of two where their products would leave the range of doubles: a mesh may have
 /// triangles of any size side by side.
 fn in_range(edges: [nalgebra::Vector3<f64>; 3]) -> [nalgebra::Vector3<f64>; 3] {
@@ -202,6 +201,7 @@ fn in_range(edges: [nalgebra::Vector3<f64>; 3]) -> [nalgebra::Vector3<f64>; 3] {
     edges.map(|edge| edge * half * half)
 }
 
+/// The three angles of one triangle, radians.
 fn triangle_angles([a, b, c]: &[Point3<f64>; 3]) -> [f64; 3] {
     let (ab, bc, ca) = (b - a, c - b, a - c);
     if a == b || b == c || c == a {
