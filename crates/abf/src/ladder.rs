@@ -82,7 +82,10 @@ impl Climb<'_> {
 
     fn attempt(&self, task: &Task<'_>, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         let flat = task.run(observer)?;
-        let may_choose = task.pipeline.layout.kind == LayoutKind::Auto && flat.layout.kind == Some(LayoutKind::Tree);
+        let is_interrupted = matches!(flat.termination, Termination::TimeLimit | Termination::Cancelled);
+        let may_choose = !is_interrupted
+            && task.pipeline.layout.kind == LayoutKind::Auto
+            && flat.layout.kind == Some(LayoutKind::Tree);
         if flat.certificate.valid() || !may_choose {
             return Ok(flat);
         }

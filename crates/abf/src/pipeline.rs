@@ -121,6 +121,10 @@ impl Pipeline {
         if matches!(self.solver, SolverKind::Auto | SolverKind::Descent) {
             self.descent.check()?;
         }
+        if matches!(self.solver, SolverKind::Auto | SolverKind::Barrier) {
+            let named = |source| FlattenError::Solve { solver: SolverKind::Barrier.name(), source };
+            self.barrier.check().map_err(named)?;
+        }
         begin(observer, Stage::Topology)?;
         // No faces is the more useful complaint, so topology comes before geometry.
         let topology = Topology::build(mesh.vertex_count(), mesh.faces())?;

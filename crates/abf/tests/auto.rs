@@ -111,7 +111,7 @@ fn rungs_that_fail_are_reported_and_the_next_is_tried() {
     let stop = StopCriteria { tolerance: 1e-300, ..StopCriteria::default() };
     let flat = Pipeline { stop, ..Pipeline::default() }.run(&Shape::SpikyField.mesh(900), &mut Silent).expect("one");
     let tried: Vec<&str> = flat.rungs.iter().map(|rung| rung.solver.name()).collect();
-    assert_eq!(tried, ["linabf", "abf-fixed-target", "descent"]);
+    assert_eq!(tried, ["linabf", "abf-fixed-target", "barrier", "descent"]);
     assert!(flat.is_certified() && flat.solver == SolverKind::Descent);
     assert!(flat.rungs.iter().all(|rung| rung.f.is_some_and(|f| f > 0.0)), "they are compared");
 }

@@ -5,7 +5,7 @@ mod support;
 
 use abf::mesh::io::{MeshFormat, parse, read, write, write_obj, write_ply};
 use abf::mesh::{Topology, TriMesh};
-use abf::{Flattening, Pipeline, Silent};
+use abf::{Flattening, Silent};
 use abf_shapes::Shape;
 use std::hint::black_box;
 use support::{Table, once, seconds};
@@ -88,7 +88,7 @@ fn file_to_file(mesh: &TriMesh, obj: &[u8]) {
 }
 
 fn flatten(mesh: &TriMesh) -> Flattening {
-    Pipeline::default().run(mesh, &mut Silent).expect("a flattening")
+    support::linabf().run(mesh, &mut Silent).expect("a flattening")
 }
 
 fn by_tobj(bytes: &[u8]) -> tobj::LoadResult {

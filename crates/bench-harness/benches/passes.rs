@@ -4,7 +4,7 @@
 mod support;
 
 use abf::solve_core::{Event, IterationRecord, Observer, Stage, Verdict};
-use abf::{Passes, Pipeline};
+use abf::{Passes, Pipeline, SolverKind};
 use cpu_time::ProcessTime;
 use std::num::NonZeroUsize;
 use support::{Model, Table, models, or_dash, scientific, seconds};
@@ -41,7 +41,7 @@ fn main() {
 
 fn measure(table: &mut Table, Model { name, mesh }: &Model) {
     let run = |passes| {
-        let pipeline = Pipeline { passes, ..Pipeline::default() };
+        let pipeline = Pipeline { passes, solver: SolverKind::LinAbf, ..Pipeline::default() };
         let mut best: Vec<(IterationRecord, f64)> = Vec::new();
         for _ in 0..RUNS {
             let mut clock = Clock::default();

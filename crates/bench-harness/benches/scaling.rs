@@ -2,7 +2,7 @@
 
 mod support;
 
-use abf::{Pipeline, Silent};
+use abf::Silent;
 use abf_shapes::{Shape, loop_subdivide};
 use peak_alloc::PeakAlloc;
 use support::{Model, Table, fixture, models, once, seconds};
@@ -32,7 +32,7 @@ fn main() {
         ],
     );
     // The factorisations reserve scratch memory once per process, on whichever mesh comes first.
-    let _ = Pipeline::default().run(&Shape::FatDisk.mesh(DISKS[0]), &mut Silent);
+    let _ = support::linabf().run(&Shape::FatDisk.mesh(DISKS[0]), &mut Silent);
     let disks = DISKS.map(|n| Model { name: "fat-disk".to_owned(), mesh: Shape::FatDisk.mesh(n) });
     measure(&mut table, disks.into_iter());
     let model = models(&["brain-conte69_32k_lh"]).pop().unwrap_or_else(|| fixture("mask"));
@@ -52,7 +52,7 @@ fn measure(table: &mut Table, meshes: impl Iterator<Item = Model>) {
     for Model { name, mesh } in meshes {
         let before = ALLOCATOR.current_usage();
         ALLOCATOR.reset_peak_usage();
-        let (time, flat) = once(|| Pipeline::default().run(&mesh, &mut Silent).expect("a flattening"));
+        let (time, flat) = once(|| support::linabf().run(&mesh, &mut Silent).expect("a flattening"));
         let peak = ALLOCATOR.peak_usage() - before;
         let (size, solution) = (mesh.face_count() as f64, flat.solution.expect("angles"));
         times.push((size.ln(), time.ln()));

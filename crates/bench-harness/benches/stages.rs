@@ -17,7 +17,7 @@ fn main() {
     let mesh = fixture(abf_shapes::DEFAULT_FIXTURE).mesh;
     let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
     let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
-    let pipeline = Pipeline { solver: SolverKind::LinAbf, ..Pipeline::default() };
+    let pipeline = support::linabf();
     let flat = pipeline.run(&mesh, &mut Silent).expect("a flattening");
     let angles = flat.solution.expect("angles");
     let mut obj = Vec::new();

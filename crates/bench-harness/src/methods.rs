@@ -5,7 +5,8 @@ use crate::errors;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
 use abf::{
-    Descent, EstimateSettings, FlattenError, IterativeSettings, LayoutSettings, Pipeline, SolverKind, StopCriteria,
+    Barrier, Descent, EstimateSettings, FlattenError, IterativeSettings, LayoutSettings, Pipeline, SolverKind,
+    StopCriteria,
 };
 use clap::error::ErrorKind;
 use std::time::Duration;
@@ -97,9 +98,9 @@ pub(crate) fn makes_passes(solver: SolverKind) -> bool {
     matches!(solver, SolverKind::Auto | SolverKind::LinAbf)
 }
 
-/// Whether a solver moves vertices, kept apart by a barrier.
+/// Whether a barrier keeps a solver away from angles of 0 and π.
 pub(crate) fn has_a_barrier(solver: SolverKind) -> bool {
-    matches!(solver, SolverKind::Auto | SolverKind::Descent)
+    matches!(solver, SolverKind::Auto | SolverKind::Barrier | SolverKind::Descent)
 }
 
 /// Whether a solver's steps are solved by iterations.
@@ -155,7 +156,7 @@ fn check_concerns(solvers: &[SolverKind], args: &MethodArgs) -> Result<(), clap:
 /// The settings for all solvers; each reads those that concern it.
 fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
     let (estimate, stop) = (EstimateSettings::default(), StopCriteria::default());
-    let (iterative, descent) = (IterativeSettings::default(), Descent::default());
+    let (iterative, barrier, descent) = (IterativeSettings::default(), Barrier::default(), Descent::default());
     Ok(Pipeline {
         passes: args.passes.unwrap_or_default(),
         wheel: args.wheel,
@@ -167,6 +168,7 @@ fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
             preconditioner: args.preconditioner.unwrap_or_default(),
             max_inner_iterations: args.max_inner_iterations.unwrap_or(iterative.max_inner_iterations),
         },
+        barrier: Barrier { barrier_floor: args.barrier_floor.unwrap_or(barrier.barrier_floor), ..barrier },
         descent: Descent { barrier_floor: args.barrier_floor.unwrap_or(descent.barrier_floor), ..descent },
         zero_area: args.zero_area,
         estimate: EstimateSettings {
@@ -297,7 +299,7 @@ mod tests {
             let pipeline = Pipeline { solver, ..Pipeline::default() };
             let shown = pipeline.angle_solver().map(|solver| solver.name());
             assert_eq!(shown.is_some(), keeps_constraints(solver) && solver != SolverKind::Auto);
-            let has_a_target = keeps_constraints(solver) && !makes_passes(solver);
+            let has_a_target = keeps_constraints(solver) && !makes_passes(solver) && solver != SolverKind::Barrier;
             assert_eq!(pipeline.newton_settings().is_some(), has_a_target, "{solver}");
         }
     }

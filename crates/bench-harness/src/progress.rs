@@ -70,7 +70,7 @@ impl<'a> Progress<'a> {
     /// How long the stages took.
     pub(crate) fn stages(&self) -> Stages {
         let [topology, solve, layout] = [Stage::Topology, Stage::Solve, Stage::Layout].map(|s| self.seconds(s));
-        Stages { topology, solve, layout, flatten: topology + solve + layout, flatten_cpu: self.cpu.seconds }
+        Stages { topology, solve, layout, flatten: topology + solve + layout, flatten_cpu: Some(self.cpu.seconds) }
     }
 
     /// How long the certificate took, in seconds.

@@ -123,7 +123,11 @@ impl Barrier {
         Ok(AngleSolution::measure(problem, angles, termination, history))
     }
 
-    fn check(&self) -> Result<(), SolveError> {
+    /// Checks that every setting is in its range; solving does it first.
+    ///
+    /// # Errors
+    /// [`SolveError::Setting`] naming the setting and its range.
+    pub fn check(&self) -> Result<(), SolveError> {
         let fault = |name, allowed, value| Err(SolveError::Setting { name, allowed, value });
         for (name, value) in [
             ("barrier_start", self.barrier_start),

@@ -113,8 +113,8 @@ impl LeastCorrection {
         })
     }
 
-    /// Writes the correction and the multipliers into `out`. Stops when no linearised constraint is off
-    /// by more than `target`; triangle and vertex conditions are then met better than that.
+    /// Writes the correction (rad) and the multipliers into `out`. Stops when no linearised constraint is off
+    /// by more than `target`, `max |h + J e|` in rad; triangle and vertex conditions are then met better than that.
     ///
     /// # Errors
     /// [`StepError`] when there is no solution or the watch interrupts.
@@ -189,7 +189,7 @@ impl LeastCorrection {
             gradient: if here.gradient.is_empty() { &zero } else { here.gradient },
             residual: here.residual,
         };
-        let mut report = DirectStep::new(here.topology, here.rows)?.step(&kkt, target, watch, out)?;
+        let mut report = DirectStep::new(here.topology, here.rows)?.step(&kkt, 0.0, watch, out)?;
         report.iterations += tried;
         Ok(report)
     }

@@ -60,6 +60,11 @@ pub(crate) fn fixture(name: &str) -> Model {
     Model { name: name.to_owned(), mesh: fixture.mesh() }
 }
 
+/// LinABF, passes until 1e-8.
+pub(crate) fn linabf() -> Pipeline {
+    Pipeline { solver: SolverKind::LinAbf, ..Pipeline::default() }
+}
+
 /// Criterion with its results below `target/`, few samples and no long waits.
 pub(crate) fn criterion() -> Criterion {
     Criterion::default()

@@ -18,7 +18,7 @@ const AUTO: &str = "auto";
 const OFF: &str = "off";
 
 const PASSES: &str = "Options of auto, linabf";
-const BARRIER: &str = "Options of auto, descent";
+const BARRIER: &str = "Options of auto, barrier, descent";
 const CONSTRAINTS: &str = "Options of every solver but descent and lscm";
 const ANGLES: &str = "Options of every solver but lscm";
 const NEWTON: &str = "Options of abf, abf++, abf-newton, abf-fixed-target, uzawa, minres";

@@ -86,8 +86,8 @@ pub(crate) struct FlattenArgs {
     /// The meshes: obj, off, ply or stl. None: the built-in face of 20 000 triangles
     #[arg(value_name = "MESH")]
     pub(crate) meshes: Vec<PathBuf>,
-    /// The method: auto (linabf, abf-fixed-target, descent in turn, until a result is proved valid), linabf, abf, abf++,
-    /// abf-newton, abf-fixed-target, uzawa, minres, descent or lscm; several with commas, or all, are compared
+    /// The method: auto (linabf, abf-fixed-target, barrier, descent in turn, until a result is proved valid), linabf, abf,
+    /// abf++, abf-newton, abf-fixed-target, uzawa, minres, barrier, descent or lscm; several with commas, or all, are compared
     #[arg(long, value_name = "NAME|all", default_value_t)]
     pub(crate) solver: SolverChoice,
     /// Its settings.

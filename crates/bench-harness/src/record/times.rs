@@ -31,8 +31,9 @@ pub(crate) struct Stages {
     pub(crate) layout: f64,
     /// All three: what solvers are compared by.
     pub(crate) flatten: f64,
-    /// The processor time of all three, over all threads.
-    pub(crate) flatten_cpu: f64,
+    /// The processor time of all three, over all threads; absent where other work goes on beside it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) flatten_cpu: Option<f64>,
 }
 
 /// The times of runs that were made several times.
@@ -75,7 +76,10 @@ impl Spread {
                 solve: stage(|s| s.solve),
                 layout: stage(|s| s.layout),
                 flatten: stage(|s| s.flatten),
-                flatten_cpu: stage(|s| s.flatten_cpu),
+                flatten_cpu: runs
+                    .iter()
+                    .all(|s| s.flatten_cpu.is_some())
+                    .then(|| stage(|s| s.flatten_cpu.unwrap_or_default())),
             }
         };
         Self { median: each(median), min: each(|sorted| sorted[0]), max: each(|sorted| sorted[sorted.len() - 1]) }
@@ -94,9 +98,9 @@ mod tests {
     #[test]
     fn the_spread_is_taken_stage_by_stage() {
         let run =
-            |solve, layout| Stages { topology: 1.0, solve, layout, flatten: 1.0 + solve + layout, flatten_cpu: 0.0 };
+            |solve, layout| Stages { topology: 1.0, solve, layout, flatten: 1.0 + solve + layout, flatten_cpu: None };
         let spread = Spread::of(&[run(5.0, 1.0), run(2.0, 2.0), run(3.0, 9.0)]);
-        assert_eq!(spread.median, Stages { topology: 1.0, solve: 3.0, layout: 2.0, flatten: 7.0, flatten_cpu: 0.0 });
+        assert_eq!(spread.median, Stages { topology: 1.0, solve: 3.0, layout: 2.0, flatten: 7.0, flatten_cpu: None });
         assert_eq!((spread.min.solve, spread.max.layout), (2.0, 9.0));
         assert_eq!(Spread::of(&[run(5.0, 1.0), run(2.0, 2.0)]).median.solve, 3.5);
         assert_eq!(Spread::of(&[run(5.0, 1.0)]).median, run(5.0, 1.0));

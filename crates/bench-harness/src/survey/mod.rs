@@ -126,8 +126,11 @@ fn flatten(path: &Path, survey: &Survey, budget: &Budget, cancel: &Cancel) -> Re
     }));
     let mut record = flattened.unwrap_or_else(|_| unusable(name.clone(), Failure::panicked(&name)));
     if survey.jobs > 1 {
-        // There is one peak for the whole program.
+        // There is one peak for the whole program, and one account of processor time.
         record.peak_memory_bytes = None;
+        if let Some(timings) = &mut record.timings_s {
+            timings.stages.flatten_cpu = None;
+        }
     }
     record
 }

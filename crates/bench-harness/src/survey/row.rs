@@ -1,5 +1,6 @@
 //! One mesh of a survey, as it is written, shown and read again.
 
+use crate::number::seconds;
 use crate::record::{Outcome, Record};
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -47,6 +48,14 @@ pub(crate) struct Row {
     pub(crate) converged: bool,
     pub(super) error: Option<Error>,
     pub(super) file: Option<FileState>,
+    /// What was tried, of a solver that tries several.
+    pub(super) rungs: Vec<Rung>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Rung {
+    solver: String,
+    time_s: f64,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -68,6 +77,12 @@ impl Row {
             Some(rung) => format!("{solver}: {rung}"),
             None => solver.to_owned(),
         })
+    }
+
+    /// How long each of the methods that were tried took, where a solver tries several.
+    pub(crate) fn rungs(&self) -> Option<String> {
+        let times = self.rungs.iter().map(|rung| format!("{} {}", rung.solver, seconds(rung.time_s)));
+        (!self.rungs.is_empty()).then(|| times.collect::<Vec<_>>().join(", "))
     }
 
     /// How long it took, reading and judging included.

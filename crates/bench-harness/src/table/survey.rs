@@ -17,6 +17,7 @@ pub(super) const COLUMNS: &[Column<Row>] = &[
     Column::number("F/3nt", "f", |row| row.f.map(|f| Cell::Figure(f, DIGITS)).into()),
     Column::number("L2", "stretch_l2", |row| row.stretch_l2.map(|l2| Cell::Figure(l2, DIGITS)).into()),
     Column::number("time", "total_s", |row| row.seconds().map(Cell::Seconds).into()),
+    Column::text("time of each method tried", "rungs", |row| row.rungs().map(Cell::Text).into()),
 ];
 
 fn fault(row: &Row, count: usize) -> Cell {

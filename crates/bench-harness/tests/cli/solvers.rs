@@ -4,8 +4,19 @@ use crate::support::{Folder, fixture, run_on};
 use crate::surfaces;
 use serde_json::Value;
 
-const SOLVERS: [&str; 10] =
-    ["auto", "linabf", "abf", "abf++", "abf-newton", "abf-fixed-target", "uzawa", "minres", "descent", "lscm"];
+const SOLVERS: [&str; 11] = [
+    "auto",
+    "linabf",
+    "abf",
+    "abf++",
+    "abf-newton",
+    "abf-fixed-target",
+    "uzawa",
+    "minres",
+    "barrier",
+    "descent",
+    "lscm",
+];
 const LETTERS: [&str; 3] = ["letter-2", "letter-v", "letter-x"];
 const AS_PUBLISHED: &str = "--reduction none --preconditioner none";
 
