@@ -5,7 +5,7 @@ mod support;
 use abf::constraints::AngleProblem;
 use abf::mesh::{Topology, io};
 use abf::reconstruct::layout;
-use abf::{EstimateSettings, LayoutKind, LayoutSettings, Pipeline, Silent, SolverKind};
+use abf::{EstimateSettings, LayoutKind, LayoutSettings, Silent};
 use std::hint::black_box;
 use support::{fixture, forget};
 

@@ -173,21 +173,21 @@ impl SingleCholesky {
 
     /// `L y = x` for some blocks in a row. `own` are the unknowns of their part and `top` the separating
     /// ones, each with the number of its first.
-    fn down(&self, blocks: Range<usize>, own: (&mut [f32], usize), top: (&mut [f32], usize)) {
+    fn down(&self, blocks: Range<usize>, (own, own_begin): (&mut [f32], usize), (top, top_begin): (&mut [f32], usize)) {
         let (rows, mut sums) = (rows_of(&self.symbolic), Vec::new());
         Arch::new().dispatch(|| {
             for block in &self.blocks[blocks] {
-                self.forward(block, rows, (&mut *own.0, own.1), (&mut *top.0, top.1), &mut sums);
+                self.forward(block, rows, (&mut *own, own_begin), (&mut *top, top_begin), &mut sums);
             }
         });
     }
 
     /// `Lᵀ x = y` for some blocks in a row, from the last to the first.
-    fn up(&self, blocks: Range<usize>, own: (&mut [f32], usize), top: (&[f32], usize)) {
+    fn up(&self, blocks: Range<usize>, (own, own_begin): (&mut [f32], usize), top: (&[f32], usize)) {
         let (rows, mut gathered) = (rows_of(&self.symbolic), Vec::new());
         Arch::new().dispatch(|| {
             for block in self.blocks[blocks].iter().rev() {
-                self.backward(block, rows, (&mut *own.0, own.1), top, &mut gathered);
+                self.backward(block, rows, (&mut *own, own_begin), top, &mut gathered);
             }
         });
     }

@@ -38,6 +38,9 @@ const CAUTION: f64 = 0.8;
 /// What the vertex rows are off by is left alone below this part of the target.
 const NEGLIGIBLE: f64 = 0.1;
 
+/// The relative residual of a direct solve.
+const EXACT: f64 = 1e-12;
+
 /// Even below its floor a [`FrozenStep`] brings the residual to this part of what it was, and of what the
 /// constraints are off by: otherwise it would be no step at all, and a line search would find no descent.
 const LEAST: f64 = 0.03;
@@ -151,7 +154,7 @@ impl LeastCorrection {
             }
             self.wheel_factor = None;
         }
-        self.directly(here, target, watch, out, tried)
+        self.directly(here, watch, out, tried)
     }
 
     /// Factors of `A` and of the current `D`, where there are none.
@@ -173,7 +176,6 @@ impl LeastCorrection {
     fn directly(
         &self,
         here: &Linearisation<'_>,
-        target: f64,
         watch: &mut Watch<'_>,
         out: &mut KktVector,
         tried: usize,
@@ -189,7 +191,7 @@ impl LeastCorrection {
             gradient: if here.gradient.is_empty() { &zero } else { here.gradient },
             residual: here.residual,
         };
-        let mut report = DirectStep::new(here.topology, here.rows)?.step(&kkt, 0.0, watch, out)?;
+        let mut report = DirectStep::new(here.topology, here.rows)?.step(&kkt, EXACT, watch, out)?;
         report.iterations += tried;
         Ok(report)
     }

@@ -127,9 +127,9 @@ impl LinAbf {
         let (topology, rows) = (problem.topology(), problem.rows());
         Ok(match self.passes {
             Passes::Auto if stop.max_iterations > 1 => {
-                Inner::Inexact(LeastCorrection::new(topology, rows, metric(problem.estimate()))?)
+                Inner::Inexact(Box::new(LeastCorrection::new(topology, rows, metric(problem.estimate()))?))
             }
-            _ => Inner::Direct(DirectStep::new(topology, rows)?),
+            _ => Inner::Direct(Box::new(DirectStep::new(topology, rows)?)),
         })
     }
 
@@ -159,8 +159,8 @@ fn metric(estimate: &[f64]) -> Vec<f64> {
 
 /// What solves for the correction of a pass.
 enum Inner {
-    Direct(DirectStep),
-    Inexact(LeastCorrection),
+    Direct(Box<DirectStep>),
+    Inexact(Box<LeastCorrection>),
 }
 
 /// The workspace of one solve.
