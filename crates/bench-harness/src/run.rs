@@ -54,7 +54,9 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, with_curves: bool, cance
     let heap = loaded.watch_memory();
     let begin = Instant::now();
     let mut progress = watch(loaded, method, cancel).with_curves(with_curves);
-    let flat = match method.pipeline.run(&loaded.mesh, &mut progress) {
+    let mesh = &loaded.mesh;
+    // Inside the pool once, and not anew for every loop that is shared out.
+    let flat = match rayon::scope(|_| method.pipeline.run(mesh, &mut progress)) {
         Ok(flat) => flat,
         Err(error) => return refused(loaded, record, &error),
     };
@@ -105,7 +107,8 @@ pub(crate) fn flatten_again(
     cancel: &Cancel,
 ) -> Result<(Fingerprint, Stages), Failure> {
     let mut progress = watch(loaded, method, cancel);
-    let flat = method.pipeline.run(&loaded.mesh, &mut progress);
+    let mesh = &loaded.mesh;
+    let flat = rayon::scope(|_| method.pipeline.run(mesh, &mut progress));
     progress.end_stages();
     match flat {
         Ok(Flattening { uv, termination, .. }) => Ok((Fingerprint { uv, termination }, progress.stages())),

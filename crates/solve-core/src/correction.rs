@@ -319,28 +319,34 @@ impl<'a> Solve<'a> {
         let mut rz = vector::dot(&r, &z);
         let mut converged = begin <= target;
         while !converged && self.iterations < REFACTOR_AFTER {
-            system.spokes.multiply(rows, &system.b, &p, &mut t);
-            a_inverse.apply_in_order(&system.order, &t, &mut q[..ni]);
-            system.spokes.multiply_difference(rows, (&system.d, &p), (&system.c, &q), &mut ap);
-            let curvature = vector::dot(&p[..ni], &ap);
-            let length = rz / curvature;
-            if !(rz > 0.0 && curvature > 0.0 && length.is_finite()) {
-                break;
-            }
-            vector::axpy(length, &p, &mut self.wheels);
-            vector::axpy(-length, &q, &mut self.vertices);
-            vector::axpy(-length, &ap, &mut r);
+            let (vertices, wheels) = (&mut self.vertices, &mut self.wheels);
+            // One way into the pool for all products and solves of an iteration.
+            let now = rayon::scope(|_| {
+                system.spokes.multiply(rows, &system.b, &p, &mut t);
+                a_inverse.apply_in_order(&system.order, &t, &mut q[..ni]);
+                system.spokes.multiply_difference(rows, (&system.d, &p), (&system.c, &q), &mut ap);
+                let curvature = vector::dot(&p[..ni], &ap);
+                let length = rz / curvature;
+                if !(rz > 0.0 && curvature > 0.0 && length.is_finite()) {
+                    return None;
+                }
+                vector::axpy(length, &p, wheels);
+                vector::axpy(-length, &q, vertices);
+                vector::axpy(-length, &ap, &mut r);
+                let now = largest(&r);
+                if now > target {
+                    d_inverse.apply_in_order(&system.order, &r, &mut z);
+                    let before = std::mem::replace(&mut rz, vector::dot(&r, &z));
+                    vector::xpay(&z, rz / before, &mut p[..ni]);
+                }
+                Some(now)
+            });
+            let Some(now) = now else { break };
             self.iterations += 1;
-            let now = largest(&r);
             if !watch.inner(self.iterations, now / begin) {
                 return Err(StepError::Interrupted);
             }
             converged = now <= target;
-            if !converged {
-                d_inverse.apply_in_order(&system.order, &r, &mut z);
-                let before = std::mem::replace(&mut rz, vector::dot(&r, &z));
-                vector::xpay(&z, rz / before, &mut p[..ni]);
-            }
         }
         self.left[1] = r;
         Ok(converged)
