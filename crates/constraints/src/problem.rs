@@ -1,7 +1,7 @@
 //! Targets, weights and the estimate.
 
 use crate::ConstraintRows;
-use abf_mesh::{CornerId, DiskError, Topology, VertexId};
+use abf_mesh::{DiskError, Topology, VertexId};
 use std::f64::consts::{PI, TAU};
 
 /// A triangle with an angle below this, rad, has no shape to speak of.
@@ -132,11 +132,12 @@ impl<'a> AngleProblem<'a> {
         let mut target = mesh_angles.clone();
         let mut estimate = mesh_angles.clone();
         let mut switched_rings = 0;
-        for &v in rows.interior() {
-            let sum = ring_sum(topology, v, &mesh_angles);
+        for i in 0..rows.interior_count() {
+            let ring = rows.hubs(i).iter().map(|c| c.index());
+            let sum: f64 = ring.clone().map(|c| mesh_angles[c]).sum();
             let switch = settings.ring_switch.is_some_and(|threshold| (TAU - sum).abs() > threshold);
             switched_rings += usize::from(switch);
-            for c in topology.fan(v).map(CornerId::index) {
+            for c in ring {
                 target[c] = mesh_angles[c] * (TAU / sum);
                 if switch {
                     estimate[c] = target[c];

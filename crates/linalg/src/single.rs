@@ -80,13 +80,12 @@ impl SymbolicCholesky {
             return Err(LinearError::NotPositiveDefinite { pivot, size });
         }
         let inverse_roots: Vec<f64> = (0..size).map(|i| diagonal(i).sqrt().recip()).collect();
-        let scaled: Vec<f32> = (0..size)
-            .flat_map(|column| self.pattern.column(column).map(move |slot| (column, slot)))
-            .map(|(column, slot)| {
-                let row = self.pattern.rows[slot] as usize;
-                (matrix.values[slot] * inverse_roots[row] * inverse_roots[column]) as f32
-            })
-            .collect();
+        let mut scaled = Vec::with_capacity(matrix.values.len());
+        for (column, &root) in inverse_roots.iter().enumerate() {
+            let range = self.pattern.column(column);
+            let entries = self.pattern.rows[range.clone()].iter().zip(&matrix.values[range]);
+            scaled.extend(entries.map(|(&row, value)| (value * inverse_roots[row as usize] * root) as f32));
+        }
         let lower = SparseColMatRef::new(matrix.lower().symbolic(), &scaled[..]);
         let scratch = self.symbolic.factorize_numeric_llt_scratch::<f32>(Par::Seq, Default::default());
         let mut memory = allocate(scratch, size)?;
