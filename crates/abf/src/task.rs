@@ -4,7 +4,6 @@ use crate::pipeline::begin;
 use crate::precision_limits::spread;
 use crate::{FlattenError, Flattening, LayoutReport, Pipeline, PrecisionLimits, SolverKind};
 use abf_constraints::AngleProblem;
-use abf_embed::vertex_points;
 use abf_mesh::{Point2, TriMesh, UvMap};
 use abf_metrics::{Certificate, certify};
 use abf_reconstruct::{Layout, LayoutKind, LayoutSettings, aligned, layout};
@@ -34,7 +33,7 @@ impl Task<'_> {
     /// Runs the one solver of the pipeline.
     pub(crate) fn run(&self, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         match self.pipeline.solver {
-            SolverKind::Descent => self.descend(None, observer),
+            SolverKind::Descent => self.descend(observer),
             _ => self.solve_and_lay_out(observer),
         }
     }
@@ -93,17 +92,11 @@ impl Task<'_> {
         self.laid_out(flat.solution.clone(), settings, observer).ok()
     }
 
-    /// The descent, from Tutte's embedding or from a valid drawing.
-    pub(crate) fn descend(
-        &self,
-        start: Option<&UvMap>,
-        observer: &mut dyn Observer,
-    ) -> Result<Flattening, FlattenError> {
+    /// The descent, from Tutte's embedding.
+    fn descend(&self, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         begin(observer, Stage::Solve)?;
         let Pipeline { descent, stop, .. } = &self.pipeline;
-        let topology = self.problem.topology();
-        let start = start.and_then(|uv| vertex_points(topology, uv).ok());
-        let descended = descent.solve(self.mesh, self.problem, start.as_deref(), stop, observer)?;
+        let descended = descent.solve(self.mesh, self.problem, None, stop, observer)?;
         let _ = observer.observe(Event::StageStarted(Stage::Layout));
         let candidates = self.placements(&descended.uv, descended.area_matched);
         let _ = observer.observe(Event::StageStarted(Stage::Certificate));

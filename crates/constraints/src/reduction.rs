@@ -69,6 +69,14 @@ impl TriangleReduction {
         self.inverse.map(|d| d * h / self.inverse_sum)
     }
 
+    /// `P q + s h`, which for `q = g + Rᵀ μ_R` is `−δ_t`.
+    #[inline]
+    #[must_use]
+    pub fn opposite_change(&self, q: [f64; 3], h: f64) -> [f64; 3] {
+        let (projected, shift) = (self.project(q), self.shift(h));
+        [0, 1, 2].map(|k| projected[k] + shift[k])
+    }
+
     /// The multiplier of the triangle's own row, `q = g + Rᵀ μ_R`.
     #[inline]
     #[must_use]

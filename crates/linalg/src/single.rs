@@ -143,12 +143,6 @@ impl SingleCholesky {
         Self { symbolic: Arc::clone(symbolic), blocks, parts: made, top, top_begin, values, scale }
     }
 
-    /// How many bytes the factor takes.
-    #[must_use]
-    pub fn bytes(&self) -> usize {
-        size_of_val(&*self.values) + size_of_val(&*self.blocks) + size_of_val(&*self.scale)
-    }
-
     /// `L Lᵀ x = b`, in place.
     fn solve(&self, x: &mut [f32]) {
         let size = self.scale.len();

@@ -128,6 +128,17 @@ impl LeastCorrection {
         watch: &mut Watch<'_>,
         out: &mut KktVector,
     ) -> Result<StepReport, StepError> {
+        self.solve_to(here, |_| target, watch, out)
+    }
+
+    /// The same with a target that depends on the largest entry of the right-hand side.
+    fn solve_to(
+        &mut self,
+        here: &Linearisation<'_>,
+        target: impl Fn(f64) -> f64,
+        watch: &mut Watch<'_>,
+        out: &mut KktVector,
+    ) -> Result<StepReport, StepError> {
         wheel_blocks(here.rows, &self.inverse, here.wheel, [&mut self.b, &mut self.c, &mut self.d]);
         let mut tried = 0;
         let mut was_frozen = true;
@@ -137,7 +148,7 @@ impl LeastCorrection {
                 break;
             }
             let mut solve = Solve::start(self, here);
-            let converged = solve.rounds(target, watch)?;
+            let converged = solve.rounds(target(solve.largest_left()), watch)?;
             tried += solve.iterations;
             if converged {
                 let report = solve.report(tried);
@@ -237,10 +248,8 @@ impl KktStep for FrozenStep {
         assert!(kkt.lambda == self.solver.lambda, "the metric this step was made for");
         let KktSystem { topology, rows, wheel, residual, gradient, .. } = *kkt;
         let here = Linearisation { topology, rows, wheel, residual, gradient };
-        let goal = Solve::start(&self.solver, &here).goal;
-        let goal = goal.iter().map(|part| largest(part)).fold(0.0, f64::max);
-        let target = (tolerance * goal).max(self.floor.min(LEAST * goal).min(LEAST * largest(residual)));
-        self.solver.solve(&here, target, watch, out)
+        let floor = self.floor.min(LEAST * largest(residual));
+        self.solver.solve_to(&here, |goal| (tolerance * goal).max(floor.min(LEAST * goal)), watch, out)
     }
 }
 
@@ -279,7 +288,7 @@ impl<'a> Solve<'a> {
     fn rounds(&mut self, target: f64, watch: &mut Watch<'_>) -> Result<bool, StepError> {
         let mut before = f64::INFINITY;
         for _ in 0..ROUNDS {
-            let now = self.left.iter().map(|part| largest(part)).fold(0.0, f64::max);
+            let now = self.largest_left();
             if now <= target {
                 return Ok(true);
             }
@@ -292,7 +301,12 @@ impl<'a> Solve<'a> {
             }
             self.measure();
         }
-        Ok(self.left.iter().all(|part| largest(part) <= target))
+        Ok(self.largest_left() <= target)
+    }
+
+    /// The largest entry of what is left of `S`; at the start that is the whole right-hand side.
+    fn largest_left(&self) -> f64 {
+        self.left.iter().map(|part| largest(part)).fold(0.0, f64::max)
     }
 
     /// One round of conjugate gradients on the wheel multipliers, from the residual at hand.

@@ -30,7 +30,7 @@ use std::sync::Arc;
 /// Factors that a solve needed more iterations than this with are outdated. Fresh ones need 11 to 46
 /// to a relative residual of 1e-10 at any size, so frozen ones that stay below this are as good, and
 /// above it a few saved iterations pay for a factorisation.
-pub(crate) const REFACTOR_AFTER: usize = 60;
+const REFACTOR_AFTER: usize = 60;
 
 /// Blocks with fewer unknowns than this are solved one after the other.
 const PARALLEL_LEN: usize = 1 << 12;
@@ -126,7 +126,7 @@ struct BlockPreconditioner {
     system: Arc<ReducedSystem>,
     symbolic: Arc<SymbolicCholesky>,
     /// Made in the first step and kept.
-    blocks: Option<Blocks<Cholesky<f64>>>,
+    blocks: Option<Blocks>,
     /// For `M`, made in every step.
     elimination: Option<Elimination>,
 }
@@ -168,14 +168,14 @@ impl Preconditioner for BlockPreconditioner {
 }
 
 /// `diag(S_vv, S_ww)⁻¹`, vectors in the order of the unknowns of `S`: vertex, wheel, vertex, wheel, …
-pub(crate) struct Blocks<F> {
-    pub vertex: F,
-    pub wheel: F,
+struct Blocks {
+    vertex: Cholesky<f64>,
+    wheel: Cholesky<f64>,
 }
 
-impl<F: Preconditioner + Sync> Preconditioner for Blocks<F> {
+impl Preconditioner for Blocks {
     fn apply(&self, r: &[f64], out: &mut [f64]) {
-        let solve = |factors: &F, part: usize| {
+        let solve = |factors: &Cholesky<f64>, part: usize| {
             let part: Vec<f64> = r.iter().skip(part).step_by(2).copied().collect();
             let mut solved = vec![0.0; part.len()];
             factors.apply(&part, &mut solved);
@@ -207,7 +207,7 @@ impl Elimination {
     }
 
     /// Vectors in the order of [`ConstraintRows`].
-    fn apply(&self, blocks: &impl Preconditioner, r: &[f64], out: &mut [f64]) {
+    fn apply(&self, blocks: &Blocks, r: &[f64], out: &mut [f64]) {
         // Down: r_R − K T⁻¹ r_t.
         let mut corners: Vec<f64> = self.triangles.iter().zip(r).flat_map(|(t, &r)| t.shift(r)).collect();
         let kept = self.products.kept_rows();

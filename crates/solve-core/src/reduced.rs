@@ -110,9 +110,8 @@ impl ReducedSystem {
             let of = |part: usize| local.rows.interior.map(|i| i.map_or(0.0, |i| solution[self.unknown(i) + part]));
             let back = local.rows.apply_transposed(of(0), of(1));
             let q = [0, 1, 2].map(|k| local.gradient[k] + back[k]);
-            let (projected, shift) = (local.reduction.project(q), local.reduction.shift(local.residual));
-            for (k, c) in face.corners().into_iter().enumerate() {
-                out.delta[c.index()] = -projected[k] - shift[k];
+            for (c, x) in face.corners().into_iter().zip(local.reduction.opposite_change(q, local.residual)) {
+                out.delta[c.index()] = -x;
             }
             out.multipliers[kkt.rows.triangle(face)] = local.reduction.multiplier(local.residual, q);
         }
@@ -143,8 +142,7 @@ impl ReducedSystem {
 
     fn scatter_rhs(&self, local: &LocalSystem, kkt: &KktSystem<'_>, rhs: &mut [f64]) {
         debug_assert_eq!(rhs.len(), 2 * kkt.rows.interior_count());
-        let (projected, shift) = (local.reduction.project(local.gradient), local.reduction.shift(local.residual));
-        let (vertex, wheel) = local.rows.apply([0, 1, 2].map(|k| projected[k] + shift[k]));
+        let (vertex, wheel) = local.rows.apply(local.reduction.opposite_change(local.gradient, local.residual));
         for (k, i) in local.rows.interior.into_iter().enumerate() {
             if let Some(u) = i.map(|i| self.unknown(i)) {
                 rhs[u] -= vertex[k];

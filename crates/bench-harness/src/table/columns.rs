@@ -40,125 +40,50 @@ impl<R> Column<R> {
     }
 }
 
-/// Several meshes, one solver or none.
-pub(crate) const MESHES: &[Column] = &[
-    MESH,
-    TRIANGLES,
-    BY.optional(),
-    RESULT,
-    OUTER.optional(),
-    INNER.optional(),
-    RESIDUAL.optional(),
-    LAYOUT.optional(),
-    FLIPS,
-    COLLAPSED,
-    WOUND,
-    OVERLAPS,
-    F,
-    STRETCH_L2,
-    STRETCH_LINF,
-    TOTAL,
+/// A table: groups of columns, one after the other.
+pub(crate) type Columns<R = Record> = &'static [&'static [Column<R>]];
+
+/// How a solver ended.
+const ENDED: &[Column] = &[BY.optional(), RESULT, OUTER, INNER, RESIDUAL];
+/// What happened on the way.
+const STEPS: &[Column] = &[INNER_RESIDUAL, NEGATIVE, FALLBACKS];
+/// Whether the map is valid.
+const FAULTS: &[Column] = &[FLIPS, COLLAPSED, WOUND, OVERLAPS];
+/// How good it is.
+const FIGURES: &[Column] = &[F, STRETCH_L2, STRETCH_LINF];
+/// The times of several runs, and what changed since the baseline.
+const RUNS: &[Column] = &[
+    TIME,
+    LEAST,
+    GREATEST,
     MEMORY,
+    WAS.optional(),
+    F_CHANGE.optional(),
+    L2_CHANGE.optional(),
+    FLIPS_CHANGE.optional(),
+    TIME_CHANGE.optional(),
+];
+
+/// Several meshes, one solver or none.
+pub(crate) const MESHES: Columns = &[
+    &[MESH, TRIANGLES, BY.optional(), RESULT],
+    &[OUTER.optional(), INNER.optional(), RESIDUAL.optional(), LAYOUT.optional()],
+    FAULTS,
+    FIGURES,
+    &[TOTAL, MEMORY],
 ];
 
 /// One mesh, several solvers.
-pub(crate) const SOLVERS: &[Column] = &[
-    SOLVER,
-    BY.optional(),
-    RESULT,
-    OUTER,
-    INNER,
-    RESIDUAL,
-    INNER_RESIDUAL,
-    NEGATIVE,
-    FALLBACKS,
-    FLIPS,
-    OVERLAPS,
-    F,
-    STRETCH_L2,
-    TIME,
-    MEMORY,
-];
+pub(crate) const SOLVERS: Columns = &[&[SOLVER], ENDED, STEPS, &[FLIPS, OVERLAPS, F, STRETCH_L2], &[TIME, MEMORY]];
 
 /// One mesh, several solvers, several runs.
-pub(crate) const REPEATS: &[Column] = &[
-    SOLVER,
-    BY.optional(),
-    RESULT,
-    OUTER,
-    INNER,
-    RESIDUAL,
-    FLIPS,
-    OVERLAPS,
-    F,
-    STRETCH_L2,
-    TIME,
-    LEAST,
-    GREATEST,
-    MEMORY,
-    WAS.optional(),
-    F_CHANGE.optional(),
-    L2_CHANGE.optional(),
-    FLIPS_CHANGE.optional(),
-    TIME_CHANGE.optional(),
-];
+pub(crate) const REPEATS: Columns = &[&[SOLVER], ENDED, &[FLIPS, OVERLAPS, F, STRETCH_L2], RUNS];
 
 /// One mesh on a page, which names mesh and solver and counts flips by itself.
-pub(crate) const PAGE: &[Column] = &[
-    BY.optional(),
-    RESULT,
-    OUTER,
-    INNER,
-    RESIDUAL,
-    INNER_RESIDUAL,
-    NEGATIVE,
-    FALLBACKS,
-    F,
-    STRETCH_L2,
-    STRETCH_LINF,
-    TIME,
-    LEAST,
-    GREATEST,
-    MEMORY,
-    WAS.optional(),
-    F_CHANGE.optional(),
-    L2_CHANGE.optional(),
-    FLIPS_CHANGE.optional(),
-    TIME_CHANGE.optional(),
-    REMARK.optional(),
-];
+pub(crate) const PAGE: Columns = &[ENDED, STEPS, FIGURES, RUNS, &[REMARK.optional()]];
 
 /// Several meshes, several solvers, several runs.
-pub(crate) const COMPARISON: &[Column] = &[
-    MESH,
-    TRIANGLES,
-    SOLVER,
-    BY.optional(),
-    RESULT,
-    OUTER,
-    INNER,
-    RESIDUAL,
-    INNER_RESIDUAL,
-    NEGATIVE,
-    FALLBACKS,
-    FLIPS,
-    COLLAPSED,
-    WOUND,
-    OVERLAPS,
-    F,
-    STRETCH_L2,
-    STRETCH_LINF,
-    TIME,
-    LEAST,
-    GREATEST,
-    MEMORY,
-    WAS.optional(),
-    F_CHANGE.optional(),
-    L2_CHANGE.optional(),
-    FLIPS_CHANGE.optional(),
-    TIME_CHANGE.optional(),
-    REMARK,
-];
+pub(crate) const COMPARISON: Columns = &[&[MESH, TRIANGLES, SOLVER], ENDED, STEPS, FAULTS, FIGURES, RUNS, &[REMARK]];
 
 const MESH: Column = Column::text("mesh", "mesh", |r| Cell::Text(r.mesh.clone()));
 const TRIANGLES: Column =

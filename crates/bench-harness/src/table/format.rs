@@ -1,21 +1,21 @@
 //! The formats of a table.
 
 use super::cell::Cell;
-use super::columns::Column;
+use super::columns::{Column, Columns};
 use crate::record::Record;
 
 /// The columns and their cells; columns that are optional and empty are left out.
-struct Table<'a, R> {
-    columns: Vec<&'a Column<R>>,
+struct Table<R: 'static> {
+    columns: Vec<&'static Column<R>>,
     rows: Vec<Vec<Cell>>,
 }
 
-impl<'a, R> Table<'a, R> {
-    fn new(columns: impl IntoIterator<Item = &'a Column<R>>, records: &[&R]) -> Self {
+impl<R> Table<R> {
+    fn new(columns: Columns<R>, records: &[&R]) -> Self {
         let is_shown = |column: &&Column<R>| {
             !column.is_optional || records.iter().any(|record| (column.cell)(record) != Cell::Nothing)
         };
-        let columns: Vec<&Column<R>> = columns.into_iter().filter(is_shown).collect();
+        let columns: Vec<&'static Column<R>> = columns.iter().copied().flatten().filter(is_shown).collect();
         let rows = records.iter().map(|record| columns.iter().map(|column| (column.cell)(record)).collect()).collect();
         Self { columns, rows }
     }
@@ -29,7 +29,7 @@ impl<'a, R> Table<'a, R> {
 }
 
 /// For the terminal: words to the left, numbers to the right.
-pub(crate) fn aligned<'a, R: 'a>(columns: impl IntoIterator<Item = &'a Column<R>>, records: &[&R]) -> String {
+pub(crate) fn aligned<R>(columns: Columns<R>, records: &[&R]) -> String {
     let table = Table::new(columns, records);
     let rows = table.for_people();
     let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
@@ -44,7 +44,7 @@ pub(crate) fn aligned<'a, R: 'a>(columns: impl IntoIterator<Item = &'a Column<R>
 }
 
 /// For documents.
-pub(crate) fn markdown<'a>(columns: impl IntoIterator<Item = &'a Column>, records: &[&Record]) -> String {
+pub(crate) fn markdown(columns: Columns, records: &[&Record]) -> String {
     let table = Table::new(columns, records);
     let mut rows: Vec<Vec<String>> = table.for_people();
     for cell in rows.iter_mut().flatten() {
@@ -56,7 +56,7 @@ pub(crate) fn markdown<'a>(columns: impl IntoIterator<Item = &'a Column>, record
 }
 
 /// For spreadsheets and programs, as in RFC 4180 but for the line ends.
-pub(crate) fn csv<'a>(columns: impl IntoIterator<Item = &'a Column>, records: &[&Record]) -> String {
+pub(crate) fn csv(columns: Columns, records: &[&Record]) -> String {
     let table = Table::new(columns, records);
     let heads = table.columns.iter().map(|column| column.name.to_owned()).collect::<Vec<_>>();
     let rows = table.rows.iter().map(|row| row.iter().map(|cell| quoted(cell.for_programs())).collect());

@@ -9,7 +9,7 @@ mod survey;
 use crate::record::{Outcome, Record, Size};
 use crate::survey::Row;
 use cell::Cell;
-use columns::{COMPARISON, Column, MESHES, PAGE, REPEATS, SOLVERS};
+use columns::{COMPARISON, Columns, MESHES, PAGE, REPEATS, SOLVERS};
 use std::cmp::Ordering;
 
 /// The table of the results of one solver, or of none: one in full, several with a row each.
@@ -48,7 +48,7 @@ pub(crate) fn comparison_csv(records: &[Record]) -> String {
 
 /// The cells of a result for a page, which has the mesh and the solver already.
 pub(crate) fn page_cells(record: &Record) -> Vec<(String, abf_report::page::Cell)> {
-    let cells = PAGE.iter().map(|column| (column, (column.cell)(record)));
+    let cells = PAGE.iter().copied().flatten().map(|column| (column, (column.cell)(record)));
     let shown = cells.filter(|(column, cell)| !column.is_optional || *cell != Cell::Nothing);
     shown.map(|(column, cell)| (column.head.to_owned(), cell.for_page())).collect()
 }
@@ -57,7 +57,7 @@ fn refs(records: &[Record]) -> Vec<&Record> {
     records.iter().collect()
 }
 
-fn of_one_mesh(columns: &[Column], records: &[Record]) -> String {
+fn of_one_mesh(columns: Columns, records: &[Record]) -> String {
     let [first, ..] = records else { return String::new() };
     let size = first.size.as_ref().map_or_else(String::new, |size: &Size| format!(": {}", full::size_line(size)));
     let mut sorted = refs(records);

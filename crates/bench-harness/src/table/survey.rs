@@ -1,11 +1,11 @@
 //! The columns of a survey.
 
 use super::cell::Cell;
-use super::columns::{Column, DIGITS};
+use super::columns::{Column, Columns, DIGITS};
 use crate::survey::Row;
 
 /// Many meshes, one solver.
-pub(super) const COLUMNS: &[Column<Row>] = &[
+pub(super) const COLUMNS: Columns<Row> = &[&[
     Column::text("mesh", "mesh", |row| Cell::Text(row.mesh.clone())),
     Column::number("triangles", "triangles", |row| row.triangles.map(Cell::Count).into()),
     Column::text("solver", "solver", |row| row.method().map(Cell::Text).into()),
@@ -18,7 +18,7 @@ pub(super) const COLUMNS: &[Column<Row>] = &[
     Column::number("L2", "stretch_l2", |row| row.stretch_l2.map(|l2| Cell::Figure(l2, DIGITS)).into()),
     Column::number("time", "total_s", |row| row.seconds().map(Cell::Seconds).into()),
     Column::text("time of each method tried", "rungs", |row| row.rungs().map(Cell::Text).into()),
-];
+]];
 
 fn fault(row: &Row, count: usize) -> Cell {
     if row.refused.is_some() { Cell::Nothing } else { Cell::Count(count) }
