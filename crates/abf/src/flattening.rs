@@ -1,6 +1,7 @@
 //! What comes out: UVs, and everything that is known of them.
 
 use crate::{FlattenError, PrecisionLimits, SolverKind};
+use abf_constraints::KktCounts;
 use abf_mesh::{TriMesh, UvMap};
 use abf_metrics::{Certificate, Metrics, MetricsError, measure_certified};
 use abf_reconstruct::LayoutKind;
@@ -24,6 +25,8 @@ pub struct Flattening {
     pub layout: LayoutReport,
     /// How many vertices have faces all around: `ni`.
     pub interior_vertices: usize,
+    /// How large the KKT matrix of the problem is: with the log wheel, and with the product wheel.
+    pub kkt: [KktCounts; 2],
     /// How many rings started from their target angles because of their deficit.
     pub switched_rings: usize,
     /// How many triangles had no shape, an angle below 1e-6, and were solved for as thin ones instead.

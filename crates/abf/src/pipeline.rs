@@ -4,7 +4,7 @@ use crate::task::Task;
 use crate::{FlattenError, Flattening, Passes, SolverKind, ladder, predict_memory};
 use abf_constraints::{AngleProblem, EstimateSettings, WheelForm};
 use abf_embed::Descent;
-use abf_mesh::{Topology, TriMesh};
+use abf_mesh::{GeometryError, Topology, TriMesh};
 use abf_metrics::Precision;
 use abf_reconstruct::{LayoutKind, LayoutSettings};
 use abf_solve_abf_newton::AbfNewton;
@@ -127,19 +127,26 @@ impl Pipeline {
         }
         begin(observer, Stage::Topology)?;
         // No faces is the more useful complaint, so topology comes before geometry.
-        let topology = Topology::build(mesh.vertex_count(), mesh.faces())?;
-        mesh.check_finite()?;
         let in_range = mesh.in_range();
         let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
-        if self.zero_area == ZeroArea::Refuse {
-            working.check_geometry()?;
-        }
-        let problem = AngleProblem::new(&topology, working.corner_angles(), self.estimate)?;
+        let (topology, angles) =
+            rayon::join(|| Topology::build(mesh.vertex_count(), mesh.faces()), || self.corner_angles(mesh, working));
+        let topology = topology?;
+        let problem = AngleProblem::new(&topology, angles?, self.estimate)?;
         let task = Task { pipeline: *self, original: mesh, mesh: working, scale, problem: &problem };
         match self.solver {
             SolverKind::Auto => ladder::climb(&task, observer),
             _ => task.run(observer),
         }
+    }
+
+    /// The angles of the surface, if they are to be had: `mesh` as it is given, `working` within range.
+    fn corner_angles(&self, mesh: &TriMesh, working: &TriMesh) -> Result<Vec<f64>, GeometryError> {
+        mesh.check_finite()?;
+        if self.zero_area == ZeroArea::Refuse {
+            working.check_geometry()?;
+        }
+        Ok(working.corner_angles())
     }
 
     /// Whether the solver keeps within the limit; of the ladder its first rung, for the others are checked when it is

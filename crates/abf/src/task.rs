@@ -1,11 +1,10 @@
 //! One solver on one problem, from angles or positions to certified UVs.
 
 use crate::pipeline::begin;
-use crate::precision_limits::spread;
 use crate::{FlattenError, Flattening, LayoutReport, Pipeline, PrecisionLimits, SolverKind};
-use abf_constraints::AngleProblem;
-use abf_mesh::{Point2, TriMesh, UvMap};
-use abf_metrics::{Certificate, certify};
+use abf_constraints::{AngleProblem, KktCounts, WheelForm};
+use abf_mesh::{FaceId, Point2, TriMesh, UvMap};
+use abf_metrics::{Certificate, certify_connected};
 use abf_reconstruct::{Layout, LayoutKind, LayoutSettings, aligned, layout};
 use abf_solve_core::{AngleSolution, Event, Observer, Stage, Termination};
 
@@ -26,7 +25,6 @@ pub(crate) struct Task<'t> {
 struct Certified {
     uv: UvMap,
     certificate: Certificate,
-    spread: f64,
 }
 
 impl Task<'_> {
@@ -82,7 +80,7 @@ impl Task<'_> {
             pinned: !self.pipeline.normalize,
             scaled: true,
         };
-        Ok(self.flattening(certified, solution, report, 0))
+        Ok(self.flattening(certified, solution, report, &[]))
     }
 
     /// The same angles by least squares, which averages what the tree carries from triangle to triangle. An error means
@@ -101,12 +99,11 @@ impl Task<'_> {
         let candidates = self.placements(&descended.uv, descended.area_matched);
         let _ = observer.observe(Event::StageStarted(Stage::Certificate));
         let (certified, pinned, scaled) = self.first_valid(candidates)?;
-        let held = descended.history.last().map_or(0, |step| step.held_faces);
         let solution =
             AngleSolution::measure(self.problem, descended.angles, descended.termination, descended.iterations);
         let report =
             LayoutReport { kind: None, linear_residual: None, closing_error: None, moved_angles: 0, pinned, scaled };
-        Ok(self.flattening(certified, Some(solution), report, held))
+        Ok(self.flattening(certified, Some(solution), report, &descended.held))
     }
 
     /// Where a drawing may be put, the best place first: where every layout is, then without moving and turning it,
@@ -140,12 +137,11 @@ impl Task<'_> {
     }
 
     fn certified(&self, uv: UvMap) -> Result<Certified, FlattenError> {
-        let spread = spread(self.mesh, &uv);
         let precision = self.pipeline.precision;
         let scale = if self.pipeline.normalize { 1.0 } else { self.scale };
         let uv = uv.mapped(|p| p.map(|x| precision.round(x / scale)));
-        let certificate = certify(self.original, &uv, precision)?;
-        Ok(Certified { uv, certificate, spread })
+        let certificate = certify_connected(self.original, self.problem.topology(), &uv, precision)?;
+        Ok(Certified { uv, certificate })
     }
 
     fn flattening(
@@ -153,20 +149,21 @@ impl Task<'_> {
         certified: Certified,
         solution: Option<AngleSolution>,
         layout: LayoutReport,
-        held_faces: usize,
+        held: &[FaceId],
     ) -> Flattening {
-        let Certified { uv, certificate, spread } = certified;
+        let Certified { uv, certificate } = certified;
         let constraint_residual = solution.as_ref().map(AngleSolution::constraint_residual);
         let certificate = Certificate { constraint_residual, ..certificate };
         let starts_from_an_estimate = !matches!(self.pipeline.solver, SolverKind::Lscm | SolverKind::Descent);
         Flattening {
             uv,
-            precision_limits: PrecisionLimits::of(&certificate, held_faces, spread),
+            precision_limits: PrecisionLimits::of(&certificate, held),
             certificate,
             solver: self.pipeline.solver,
             termination: solution.as_ref().map_or(Termination::OnePass, AngleSolution::termination),
             layout,
             interior_vertices: self.problem.rows().interior_count(),
+            kkt: [WheelForm::Log, WheelForm::Product].map(|form| KktCounts::of(form, self.problem.rows())),
             shapeless_faces: self.problem.shapeless_faces(),
             switched_rings: if starts_from_an_estimate { self.problem.switched_rings() } else { 0 },
             solution,

@@ -83,19 +83,28 @@ fn rung(rung: &Rung) -> String {
 pub(crate) fn precision(record: &Record) -> Option<String> {
     /// Only the size of such a number matters.
     const DIGITS: usize = 1;
-    let limits = record.run.as_ref()?.precision_limits?;
+    let limits = record.run.as_ref()?.precision_limits.as_ref()?;
     let mut parts = vec![format!(
         "lengths shrink by up to {} times more in one place than in another",
         significant(limits.spread, DIGITS)
     )];
     if limits.near_collapsed > 0 {
         let triangles = count(limits.near_collapsed, "triangle is", "triangles are");
-        parts.push(format!("{triangles} within the rounding of their coordinates"));
+        let named = faces(&limits.near_collapsed_faces, limits.near_collapsed);
+        parts.push(format!("{triangles} within the rounding of their coordinates ({named})"));
     }
     if limits.held_faces > 0 {
-        parts.push(format!("{} held in place", count(limits.held_faces, "triangle was", "triangles were")));
+        let triangles = count(limits.held_faces, "triangle was", "triangles were");
+        parts.push(format!("{triangles} held in place ({})", faces(&limits.first_held_faces, limits.held_faces)));
     }
     Some(format!("the UVs are near what double precision holds: {}", parts.join(", ")))
+}
+
+/// The first of so many faces, by number.
+fn faces(first: &[usize], count: usize) -> String {
+    let numbers: Vec<String> = first.iter().map(ToString::to_string).collect();
+    let more = if count > first.len() { ", …" } else { "" };
+    format!("{} {}{more}", if count == 1 { "face" } else { "faces" }, numbers.join(", "))
 }
 
 fn steps(solver: SolverKind, n: usize) -> String {

@@ -5,10 +5,9 @@ use crate::console;
 use crate::errors::Failure;
 use crate::memory::HeapWatch;
 use crate::progress::Progress;
-use crate::record::{Kkt, Record, Size};
+use crate::record::{Record, Size};
 use crate::source::Source;
-use abf_mesh::{Topology, TriMesh};
-use std::cell::OnceCell;
+use abf_mesh::TriMesh;
 use std::time::Instant;
 
 /// A mesh and what is known of it.
@@ -27,7 +26,6 @@ pub(crate) struct Loaded {
     /// What the mesh takes, bytes.
     bytes: usize,
     peak_of_reading: usize,
-    kkt: OnceCell<Option<Kkt>>,
 }
 
 impl Loaded {
@@ -62,7 +60,7 @@ impl Loaded {
         let notes = file.notes.sentences();
         let (mesh, fanned) = (file.mesh, file.notes.polygons_fanned > 0);
         let (bytes, peak_of_reading) = (heap.bytes(), heap.peak_bytes());
-        Ok(Self { name, mesh, notes, fanned, read_s, bytes, peak_of_reading, kkt: OnceCell::new() })
+        Ok(Self { name, mesh, notes, fanned, read_s, bytes, peak_of_reading })
     }
 
     /// A record of what is known so far.
@@ -80,12 +78,6 @@ impl Loaded {
     /// that solver take alone.
     pub(crate) fn peak_bytes(&self, watch: HeapWatch) -> usize {
         self.peak_of_reading.max(watch.peak_bytes())
-    }
-
-    /// How large the KKT matrix is; `None` for what is no manifold.
-    pub(crate) fn kkt(&self) -> Option<Kkt> {
-        let count = || Topology::build(self.mesh.vertex_count(), self.mesh.faces()).ok().map(|t| Kkt::of(&t));
-        *self.kkt.get_or_init(count)
     }
 }
 

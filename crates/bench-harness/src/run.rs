@@ -7,7 +7,7 @@ use crate::history::History;
 use crate::load::Loaded;
 use crate::methods::{Method, finds_angles};
 use crate::progress::Progress;
-use crate::record::{Quality, Record, Run, Size, Stages, Timings};
+use crate::record::{Kkt, Quality, Record, Run, Size, Stages, Timings};
 use abf::{AngleSolution, FlattenError, Flattening, Termination};
 use abf_mesh::{Topology, TriMesh, UvMap};
 use std::time::Instant;
@@ -84,7 +84,7 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, with_curves: bool, cance
         total,
     });
     record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
-    record.kkt = loaded.kkt().filter(|_| finds_angles(method.pipeline.solver));
+    record.kkt = finds_angles(method.pipeline.solver).then(|| Kkt::new(flat.kkt));
     record.hint = advice::next_to_try(&record);
     record.overlap = advice::overlap(&record);
     record.climb = advice::climb(&record);

@@ -1,8 +1,12 @@
 //! Targets, weights and the estimate.
 
 use crate::ConstraintRows;
-use abf_mesh::{DiskError, Topology, VertexId};
+use abf_mesh::{CornerId, DiskError, Topology, VertexId};
+use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
+
+/// Fewer corners or vertices are not worth a thread.
+const PER_TASK: usize = 1 << 13;
 
 /// A triangle with an angle below this, rad, has no shape to speak of.
 const NO_SHAPE: f64 = 1e-6;
@@ -125,27 +129,25 @@ impl<'a> AngleProblem<'a> {
         settings: EstimateSettings,
     ) -> Result<Self, ProblemError> {
         settings.check()?;
-        topology.require_disk()?;
+        let (is_disk, rows) = rayon::join(|| topology.require_disk(), || ConstraintRows::new(topology));
+        is_disk?;
         check_angles(topology, &mesh_angles)?;
         let shapeless_faces = give_shape(&mut mesh_angles, settings.angle_bound);
-        let rows = ConstraintRows::new(topology);
-        let mut target = mesh_angles.clone();
-        let mut estimate = mesh_angles.clone();
-        let mut switched_rings = 0;
-        for i in 0..rows.interior_count() {
-            let ring = rows.hubs(i).iter().map(|c| c.index());
-            let sum: f64 = ring.clone().map(|c| mesh_angles[c]).sum();
-            let switch = settings.ring_switch.is_some_and(|threshold| (TAU - sum).abs() > threshold);
-            switched_rings += usize::from(switch);
-            for c in ring {
-                target[c] = mesh_angles[c] * (TAU / sum);
-                if switch {
-                    estimate[c] = target[c];
-                }
-            }
-        }
+        let sum = |i: usize| rows.hubs(i).iter().map(|c| mesh_angles[c.index()]).sum::<f64>();
+        let sums: Vec<f64> = (0..rows.interior_count()).into_par_iter().with_min_len(PER_TASK).map(sum).collect();
+        let is_switched = |sum: f64| settings.ring_switch.is_some_and(|threshold| (TAU - sum).abs() > threshold);
+        let switched_rings = sums.iter().filter(|&&sum| is_switched(sum)).count();
+        let ring = |c: usize| rows.interior_index(topology.vertex(CornerId::new(c))).map(|i| sums[i]);
+        let target_of = |(c, &angle): (usize, &f64)| ring(c).map_or(angle, |sum| angle * (TAU / sum));
+        let angles = || mesh_angles.par_iter().with_min_len(PER_TASK).enumerate();
+        let target: Vec<f64> = angles().map(target_of).collect();
+        let start_of = |(c, &angle): (usize, &f64)| if ring(c).is_some_and(is_switched) { target[c] } else { angle };
+        let mut estimate: Vec<f64> = match switched_rings {
+            0 => mesh_angles.clone(),
+            _ => angles().map(start_of).collect(),
+        };
         let moved_angles = settings.clamp(&mut estimate);
-        let weight = target.iter().map(|a| 1.0 / (a * a)).collect();
+        let weight = target.par_iter().with_min_len(PER_TASK).map(|a| 1.0 / (a * a)).collect();
         Ok(Self {
             topology,
             rows,

@@ -16,7 +16,7 @@ use crate::retract::Retraction;
 use crate::{BoundarySpacing, EmbedError, TutteWeights, tutte};
 use abf_constraints::{AngleProblem, max_residual};
 use abf_linalg::LinearStats;
-use abf_mesh::{Point2, Topology, TriMesh, UvMap, Vector2, VertexId};
+use abf_mesh::{FaceId, Point2, Topology, TriMesh, UvMap, Vector2, VertexId};
 use abf_solve_core::{IterationRecord, Observer, StopCriteria, Termination, Watch};
 
 /// The descent and its settings.
@@ -82,6 +82,8 @@ pub struct DescentSolution {
     pub termination: Termination,
     /// Every step.
     pub history: Vec<DescentRecord>,
+    /// The faces that the last step held in place.
+    pub held: Vec<FaceId>,
     /// The same steps as observers were told of them.
     pub iterations: Vec<IterationRecord>,
     /// The embedding it started from, where none was given.
@@ -133,6 +135,7 @@ impl Descent {
             angles,
             termination,
             history: run.history,
+            held: run.held,
             iterations: run.reported,
             tutte: embedding,
             area_matched,
@@ -200,6 +203,7 @@ struct Run<'p, 'a> {
     retraction: Retraction,
     uv: Vec<Point2<f64>>,
     angles: Vec<f64>,
+    held: Vec<FaceId>,
     history: Vec<DescentRecord>,
     reported: Vec<IterationRecord>,
 }
@@ -216,6 +220,7 @@ impl<'p, 'a> Run<'p, 'a> {
             retraction: Retraction::new(topology, pins[0])?,
             angles: measured(topology, &uv),
             uv,
+            held: Vec::new(),
             history: Vec::new(),
             reported: Vec::new(),
         })
@@ -230,6 +235,7 @@ impl<'p, 'a> Run<'p, 'a> {
             let at_floor = self.objective.barrier <= self.settings.barrier_floor;
             let scale = self.objective.scale(&self.angles);
             let found = self.step(&direction, watch);
+            self.held = direction.held;
             let last = self.history.last().expect("a step is always recorded");
             let small = last.step <= stop.step_tolerance || -last.slope <= self.settings.energy_tolerance * scale;
             if at_floor && small {
@@ -290,7 +296,7 @@ impl<'p, 'a> Run<'p, 'a> {
             step: direction.angle_change.iter().fold(0.0, |most, d| d.abs().max(most)),
             step_length: place.share,
             kind: place.kind,
-            held_faces: direction.held,
+            held_faces: direction.held.len(),
             smallest_angle: self.angles.iter().copied().fold(f64::INFINITY, f64::min),
             linear: direction.linear,
         };

@@ -30,8 +30,8 @@ pub(crate) struct Direction {
     pub(crate) angle_change: Vec<f64>,
     /// `⟨dE/du, d⟩`, negative.
     pub(crate) slope: f64,
-    /// How many faces were held.
-    pub(crate) held: usize,
+    /// The faces that were held.
+    pub(crate) held: Vec<FaceId>,
     /// The linear solve.
     pub(crate) linear: LinearStats,
 }
@@ -57,14 +57,14 @@ impl Newton {
         Ok(Direction { motion, angle_change, slope, held, linear })
     }
 
-    /// Fills the matrix; returns `dE/du` and the number of faces held.
+    /// Fills the matrix; returns `dE/du` and the faces held.
     fn assemble(
         &mut self,
         objective: &Objective<'_, '_>,
         uv: &[Point2<f64>],
         angles: &[f64],
-    ) -> (Vec<Vector2<f64>>, usize) {
-        let mut held = 0;
+    ) -> (Vec<Vector2<f64>>, Vec<FaceId>) {
+        let mut held = Vec::new();
         let topology = objective.problem.topology();
         let mut gradient = vec![Vector2::zeros(); uv.len()];
         self.system.clear();
@@ -91,7 +91,7 @@ impl Newton {
                 }
             }
             if at_resolution(&points) {
-                held += 1;
+                held.push(face);
                 (0..6).for_each(|i| block[i][i] *= HOLD);
             }
             self.system.add(face.index(), &block);

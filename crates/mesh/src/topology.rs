@@ -213,6 +213,12 @@ impl Topology {
         }
     }
 
+    /// The opposite of every corner, `u32::MAX` where there is none.
+    #[must_use]
+    pub fn packed_opposites(&self) -> &[u32] {
+        &self.opposite
+    }
+
     /// The next corner counter-clockwise around the same vertex; `None` past the last of a
     /// boundary fan.
     #[inline]

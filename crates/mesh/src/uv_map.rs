@@ -1,6 +1,12 @@
 //! UVs per corner.
 
+use rayon::prelude::*;
+
+use crate::tri_mesh::sum_by_block;
 use crate::{CornerId, FaceId, Point2, TriMesh, UvId};
+
+/// Fewer points are not worth a thread.
+const POINTS_PER_TASK: usize = 1 << 13;
 
 /// A UV for every corner of a mesh: corners that share a [`UvId`] are joined in the plane.
 ///
@@ -56,6 +62,10 @@ impl UvMap {
         assert_eq!(uv.len(), mesh.vertex_count(), "one UV per vertex");
         let mut used = vec![false; uv.len()];
         mesh.faces().iter().flatten().for_each(|v| used[v.index()] = true);
+        let vertices = mesh.faces().as_flattened().par_iter().with_min_len(POINTS_PER_TASK);
+        if used.iter().all(|&used| used) {
+            return Self { points: uv.to_vec(), corners: vertices.map(|v| UvId::new(v.index())).collect() };
+        }
         let mut points = Vec::with_capacity(uv.len());
         let ids: Vec<UvId> = uv
             .iter()
@@ -68,8 +78,7 @@ impl UvMap {
                 id
             })
             .collect();
-        let corners = mesh.faces().iter().flatten().map(|v| ids[v.index()]).collect();
-        Self { points, corners }
+        Self { points, corners: vertices.map(|v| ids[v.index()]).collect() }
     }
 
     /// The UV points.
@@ -107,13 +116,25 @@ impl UvMap {
     /// counter-clockwise.
     #[must_use]
     pub fn signed_area(&self) -> f64 {
-        self.triangles().map(|[a, b, c]| 0.5 * (b - a).perp(&(c - a))).sum()
+        self.sum_of_areas(|signed| signed)
+    }
+
+    /// The sum of the areas of all UV triangles, without sign.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.sum_of_areas(f64::abs)
+    }
+
+    fn sum_of_areas(&self, term: impl Fn(f64) -> f64 + Sync) -> f64 {
+        let at = |c: UvId| self.points[c.index()];
+        let area = |c: &[UvId; 3]| 0.5 * (at(c[1]) - at(c[0])).perp(&(at(c[2]) - at(c[0])));
+        sum_by_block(self.corners.as_chunks::<3>().0, |corners| term(area(corners)))
     }
 
     /// The same map with every point moved by `transform`.
     #[must_use]
-    pub fn mapped(mut self, transform: impl Fn(Point2<f64>) -> Point2<f64>) -> Self {
-        self.points.iter_mut().for_each(|p| *p = transform(*p));
+    pub fn mapped(mut self, transform: impl Fn(Point2<f64>) -> Point2<f64> + Sync) -> Self {
+        self.points.par_iter_mut().with_min_len(POINTS_PER_TASK).for_each(|p| *p = transform(*p));
         self
     }
 

@@ -1,7 +1,9 @@
 //! What is proved of a UV map: which triangles are turned over, wind, or lie over each other.
 
-use abf_mesh::{FaceId, TriMesh, UvMap, VertexId};
+use abf_mesh::{CornerId, FaceId, Topology, TriMesh, UvId, UvMap, VertexId};
+use rayon::prelude::*;
 use serde::{Serialize, Serializer};
+use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
@@ -9,8 +11,11 @@ use crate::MetricsError;
 use crate::face::{Orientation, Survey};
 use crate::overlap::Overlaps;
 use crate::sheet::{Fan, Sheet};
-use crate::triangle::cotangents;
+use crate::triangle::{cotangents, is_within_rounding};
 use crate::winding::winds_twice;
+
+/// Fewer corners are not worth a thread.
+const CORNERS_PER_TASK: usize = 1 << 13;
 
 /// What a format keeps of a coordinate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -79,6 +84,9 @@ pub struct Certificate {
     /// What the coordinates were rounded to before.
     #[serde(serialize_with = "as_text")]
     pub precision: Precision,
+    /// How many charts: [`Metrics::charts`](crate::Metrics::charts).
+    #[serde(skip)]
+    pub charts: usize,
     /// Triangles whose orientation is opposite to the area-weighted majority of their chart. A chart that
     /// is mirrored as a whole has none.
     pub flips: usize,
@@ -113,12 +121,20 @@ pub struct Certificate {
     pub uv_angle_min: f64,
     /// The greatest, rad.
     pub uv_angle_max: f64,
+    /// How much more lengths shrink in one place than in another: the largest `√(A₂ / A₃)` over the smallest, over the
+    /// faces that have an area in 3-D ([`Metrics::degenerate_3d`](crate::Metrics::degenerate_3d)). Infinite with a
+    /// collapsed one.
+    #[serde(skip)]
+    pub spread: f64,
     /// The first flipped faces, at most [`LISTED`](Self::LISTED) of them.
     #[serde(serialize_with = "as_indices")]
     pub flipped_faces: Vec<FaceId>,
     /// The first collapsed faces.
     #[serde(serialize_with = "as_indices")]
     pub collapsed_faces: Vec<FaceId>,
+    /// The first faces within rounding of it.
+    #[serde(serialize_with = "as_indices")]
+    pub near_collapsed_faces: Vec<FaceId>,
     /// The first vertices that are wound around.
     #[serde(serialize_with = "as_vertex_indices")]
     pub wound_vertices: Vec<VertexId>,
@@ -162,71 +178,213 @@ impl Certificate {
 /// # Errors
 /// [`MetricsError`] as for [`measure`](crate::measure), also when rounding makes a coordinate infinite.
 pub fn certify(mesh: &TriMesh, uv: &UvMap, precision: Precision) -> Result<Certificate, MetricsError> {
-    let rounded;
-    let uv = match precision {
-        Precision::Double => uv,
-        Precision::Single => {
-            rounded = uv.clone().mapped(|p| p.map(|x| precision.round(x)));
-            &rounded
-        }
-    };
-    Ok(of_survey(&Survey::new(mesh, uv)?, precision))
+    let uv = rounded(uv, precision);
+    Ok(of_survey(&Survey::new(mesh, &uv)?, None, precision))
 }
 
-/// The certificate of a map that has been looked at.
-pub(crate) fn of_survey(survey: &Survey<'_>, precision: Precision) -> Certificate {
-    let orientations: Vec<Orientation> = survey.orientations().collect();
-    let (flips, flipped_faces) = faces_that_are(&orientations, Orientation::Flipped);
-    let (collapsed, collapsed_faces) = faces_that_are(&orientations, Orientation::Collapsed);
-    let sheet = Sheet::new(survey.mesh(), survey.uv(), survey.uv_scale(), |f| survey.is_mirrored(FaceId::new(f)));
-    let fans: Vec<Fan> = sheet.fans().collect();
+/// The same certificate in less time, for a connected manifold whose corner table is at hand. A map that has not one
+/// point for each vertex, in their order, is certified as any other.
+///
+/// # Errors
+/// As for [`certify`].
+pub fn certify_connected(
+    mesh: &TriMesh,
+    topology: &Topology,
+    uv: &UvMap,
+    precision: Precision,
+) -> Result<Certificate, MetricsError> {
+    if !is_per_vertex(mesh, topology, uv) {
+        return certify(mesh, uv, precision);
+    }
+    let uv = rounded(uv, precision);
+    Ok(of_survey(&Survey::of_one_chart(mesh, &uv)?, Some(topology), precision))
+}
+
+fn rounded(uv: &UvMap, precision: Precision) -> Cow<'_, UvMap> {
+    match precision {
+        Precision::Double => Cow::Borrowed(uv),
+        Precision::Single => Cow::Owned(uv.clone().mapped(|p| p.map(|x| precision.round(x)))),
+    }
+}
+
+/// Whether the corner table is that of the mesh, and every vertex has one UV point, in their order.
+fn is_per_vertex(mesh: &TriMesh, topology: &Topology, uv: &UvMap) -> bool {
+    let (vertices, points) = (mesh.faces().as_flattened(), uv.corners());
+    if points.len() != vertices.len() || topology.corner_count() != vertices.len() {
+        return false;
+    }
+    let point_of = |v: VertexId| topology.fan_start(v).map(|c| points[c.index()]);
+    let same =
+        |(c, (&v, &p)): (usize, (&VertexId, &UvId))| topology.vertex(CornerId::new(c)) == v && point_of(v) == Some(p);
+    let corners = vertices.par_iter().zip(points).with_min_len(CORNERS_PER_TASK).enumerate();
+    topology.vertex_count() == mesh.vertex_count()
+        && corners.all(same)
+        && topology.vertices().filter_map(point_of).is_sorted_by(|a, b| a < b)
+}
+
+/// The certificate of a map that has been looked at; of one with a point per vertex the corner table may be given.
+pub(crate) fn of_survey(survey: &Survey<'_>, topology: Option<&Topology>, precision: Precision) -> Certificate {
+    let faces = Faces::of(survey, precision.epsilon());
+    let topology = topology.filter(|_| !survey.is_mirrored(FaceId::new(0)));
+    let (mesh, uv, scale) = (survey.mesh(), survey.uv(), survey.uv_scale());
+    let sheet = match topology {
+        Some(topology) => Sheet::of_manifold(mesh, topology, uv, scale),
+        None => Sheet::new(mesh, uv, scale, |f| survey.is_mirrored(FaceId::new(f))),
+    };
     // Where a triangle is flipped or collapsed, the triangles of a fan do not all turn one way.
-    let is_kept = |fan: Fan| sheet.fan_corners(fan).all(|c| orientations[c.face().index()] == Orientation::Kept);
-    let twice: Vec<Fan> = fans.iter().copied().filter(|&fan| is_kept(fan) && winds_twice(&sheet, fan)).collect();
-    let mut wound: Vec<VertexId> =
-        twice.iter().filter(|fan| fan.is_closed).map(|fan| sheet.vertex(fan.first)).collect();
+    let is_kept = |fan: Fan| sheet.fan_corners(fan).all(|c| survey.lies(c.face()) == Orientation::Kept);
+    let twice = |fan: &Fan| is_kept(*fan) && winds_twice(&sheet, *fan);
+    let (open, closed_twice) = match topology {
+        Some(topology) => fans_of_manifold(&sheet, topology, faces.all_kept(), twice),
+        None => {
+            let (closed, open): (Vec<Fan>, Vec<Fan>) = sheet.fans().partition(|fan| fan.is_closed);
+            (open, closed.into_iter().filter(twice).collect())
+        }
+    };
+    let open_twice: Vec<Fan> = open.iter().copied().filter(twice).collect();
+    let mut wound: Vec<VertexId> = closed_twice.iter().map(|fan| sheet.vertex(fan.first)).collect();
     wound.sort_unstable();
     wound.dedup();
-    let overlaps = Overlaps::find(&sheet, &fans, &twice, Certificate::LISTED);
-    let (uv_angle_min, uv_angle_max) = angle_interval(survey);
+    let overlaps = Overlaps::find(&sheet, &open, &open_twice, Certificate::LISTED);
     let wound_count = wound.len();
     wound.truncate(Certificate::LISTED);
     Certificate {
         precision,
-        flips,
-        collapsed,
-        near_collapsed: survey.near_collapsed(&orientations, precision.epsilon()),
+        charts: survey.chart_count(),
+        flips: faces.flipped.count,
+        collapsed: faces.collapsed.count,
+        near_collapsed: faces.near_collapsed.count,
         wound: wound_count,
         crossings: overlaps.crossings,
         meetings: overlaps.meetings,
         nested: overlaps.nested,
         touches: overlaps.touches,
         constraint_residual: None,
-        uv_angle_min,
-        uv_angle_max,
-        flipped_faces,
-        collapsed_faces,
+        uv_angle_min: angle_of(faces.cotangents.high),
+        uv_angle_max: angle_of(faces.cotangents.low),
+        spread: if faces.ratios.high > 0.0 { (faces.ratios.high / faces.ratios.low).sqrt() } else { 1.0 },
+        flipped_faces: faces.flipped.first,
+        collapsed_faces: faces.collapsed.first,
+        near_collapsed_faces: faces.near_collapsed.first,
         wound_vertices: wound,
         overlapping_faces: overlaps.faces,
     }
 }
 
-/// How many faces lie that way, and the first of them.
-fn faces_that_are(orientations: &[Orientation], which: Orientation) -> (usize, Vec<FaceId>) {
-    let faces = || orientations.iter().enumerate().filter(|&(_, &o)| o == which).map(|(f, _)| FaceId::new(f));
-    (faces().count(), faces().take(Certificate::LISTED).collect())
+/// The fans on the boundary, and those that close and wind more than once.
+fn fans_of_manifold(
+    sheet: &Sheet<'_>,
+    topology: &Topology,
+    all_kept: bool,
+    twice: impl Fn(&Fan) -> bool,
+) -> (Vec<Fan>, Vec<Fan>) {
+    let fan = |v: VertexId| topology.fan_start(v).map(|first| sheet.fan_from(first));
+    let open = topology.vertices().filter(|&v| topology.is_boundary(v)).filter_map(fan).collect();
+    // Around a point among counter-clockwise triangles is at least one turn: as many turns as points are one for each.
+    let once_each = || all_kept && sheet.turns(|v| topology.is_interior(v)) == topology.interior_vertex_count();
+    if once_each() {
+        return (open, Vec::new());
+    }
+    let closed = topology.vertices().filter(|&v| topology.is_interior(v)).filter_map(fan);
+    (open, closed.filter(twice).collect())
 }
 
-/// The least and the greatest angle. An angle falls as its cotangent grows, so only two arctangents are taken.
-fn angle_interval(survey: &Survey<'_>) -> (f64, f64) {
-    let all = survey.flat_triangles().flat_map(|(triangle, area)| cotangents(&triangle, area));
-    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), cot| (cot.min(low), cot.max(high)));
-    let angle = |cot: f64| match cot {
+/// What there is to say of all faces together.
+#[derive(Default)]
+struct Faces {
+    flipped: Listed,
+    collapsed: Listed,
+    near_collapsed: Listed,
+    cotangents: Interval,
+    /// Of areas, `A₂ / A₃`.
+    ratios: Interval,
+}
+
+impl Faces {
+    fn of(survey: &Survey<'_>, epsilon: f64) -> Self {
+        let blocks = survey.by_block(|all: &mut Self, face| all.take(survey, face, epsilon));
+        blocks.into_iter().fold(Self::default(), Self::followed_by)
+    }
+
+    fn all_kept(&self) -> bool {
+        self.flipped.count == 0 && self.collapsed.count == 0
+    }
+
+    fn take(&mut self, survey: &Survey<'_>, face: FaceId, epsilon: f64) {
+        let (flat, area) = survey.flat_triangle(face);
+        match survey.lies(face) {
+            Orientation::Flipped => self.flipped.take(face),
+            Orientation::Collapsed => self.collapsed.take(face),
+            Orientation::Kept if is_within_rounding(&flat, area, epsilon) => self.near_collapsed.take(face),
+            Orientation::Kept => {}
+        }
+        cotangents(&flat, area).into_iter().for_each(|cot| self.cotangents.take(cot));
+        survey.area_ratio(face).into_iter().for_each(|ratio| self.ratios.take(ratio));
+    }
+
+    fn followed_by(mut self, later: Self) -> Self {
+        self.flipped.append(later.flipped);
+        self.collapsed.append(later.collapsed);
+        self.near_collapsed.append(later.near_collapsed);
+        self.cotangents.join(&later.cotangents);
+        self.ratios.join(&later.ratios);
+        self
+    }
+}
+
+/// How many faces there are of a kind, and the first of them.
+#[derive(Default)]
+struct Listed {
+    count: usize,
+    first: Vec<FaceId>,
+}
+
+impl Listed {
+    fn take(&mut self, face: FaceId) {
+        self.count += 1;
+        if self.first.len() < Certificate::LISTED {
+            self.first.push(face);
+        }
+    }
+
+    fn append(&mut self, later: Self) {
+        self.count += later.count;
+        let room = Certificate::LISTED - self.first.len();
+        self.first.extend(later.first.into_iter().take(room));
+    }
+}
+
+/// The least and the greatest of some numbers.
+struct Interval {
+    low: f64,
+    high: f64,
+}
+
+impl Default for Interval {
+    fn default() -> Self {
+        Self { low: f64::INFINITY, high: f64::NEG_INFINITY }
+    }
+}
+
+impl Interval {
+    fn take(&mut self, x: f64) {
+        self.low = self.low.min(x);
+        self.high = self.high.max(x);
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.take(other.low);
+        self.take(other.high);
+    }
+}
+
+/// An angle falls as its cotangent grows, so only the two ends of an interval need an arctangent.
+fn angle_of(cotangent: f64) -> f64 {
+    match cotangent {
         f64::INFINITY => 0.0,
         f64::NEG_INFINITY => std::f64::consts::PI,
-        cot => 1.0_f64.atan2(cot),
-    };
-    (angle(high), angle(low))
+        cotangent => 1.0_f64.atan2(cotangent),
+    }
 }
 
 fn as_text<S: Serializer>(value: &impl fmt::Display, serializer: S) -> Result<S::Ok, S::Error> {

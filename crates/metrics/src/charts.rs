@@ -1,16 +1,24 @@
 //! Charts: the connected pieces of a UV map.
 
-use abf_mesh::{TriMesh, UvId, UvMap, VertexId};
+use abf_mesh::{FaceId, TriMesh, UvId, UvMap, VertexId};
 
 /// Which chart every face is in.
 pub(crate) struct Charts {
-    /// The chart of every face, numbered by first appearance.
-    pub(crate) of_face: Vec<usize>,
+    /// The chart of every face, numbered by first appearance; none where all are in one.
+    of_face: Option<Vec<usize>>,
     /// How many there are.
     pub(crate) count: usize,
 }
 
 impl Charts {
+    /// All faces in one.
+    pub(crate) const ONE: Self = Self { of_face: None, count: 1 };
+
+    /// The chart of a face.
+    pub(crate) fn of(&self, face: FaceId) -> usize {
+        self.of_face.as_ref().map_or(0, |charts| charts[face.index()])
+    }
+
     /// The connected components of the UV points, where the three points of a face are connected, and
     /// so are points of one vertex that have the same coordinates: files that repeat a UV for every
     /// corner draw the same map as files that share it.
@@ -34,7 +42,7 @@ impl Charts {
             }
             number[root]
         };
-        let of_face = uv.corners().chunks_exact(3).map(chart_of).collect();
+        let of_face = Some(uv.corners().chunks_exact(3).map(chart_of).collect());
         Self { of_face, count }
     }
 }
@@ -101,7 +109,7 @@ mod tests {
         let corners = [5, 6, 7, 0, 1, 2, 7, 8, 5, 2, 1, 3].map(UvId::new).to_vec();
         let places = (0..10).map(|i| Point2::new(f64::from(i), 0.0)).collect();
         let charts = Charts::find(&mesh(&[[0, 1, 2], [3, 4, 5], [2, 6, 0], [5, 4, 7]]), &UvMap::new(places, corners));
-        assert_eq!(charts.of_face, [0, 1, 0, 1]);
+        assert_eq!([0, 1, 2, 3].map(|f| charts.of(FaceId::new(f))), [0, 1, 0, 1]);
         assert_eq!(charts.count, 2);
     }
 
@@ -120,7 +128,7 @@ mod tests {
         ];
         let uv = UvMap::new(places.map(Point2::from).to_vec(), (0..9).map(UvId::new).collect());
         let charts = Charts::find(&mesh(&[[0, 1, 2], [1, 3, 2], [0, 1, 2]]), &uv);
-        assert_eq!(charts.of_face, [0, 0, 1], "the third face stands elsewhere");
+        assert_eq!([0, 1, 2].map(|f| charts.of(FaceId::new(f))), [0, 0, 1], "the third face stands elsewhere");
     }
 
     fn mesh(faces: &[[usize; 3]]) -> TriMesh {

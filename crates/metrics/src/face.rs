@@ -79,6 +79,9 @@ pub fn per_face(mesh: &TriMesh, uv: &UvMap) -> Result<Vec<FaceDistortion>, Metri
     Ok(faces.map(|f| survey.face(FaceId::new(f))).collect())
 }
 
+/// The share of the surface below which a triangle has no shape to compare with.
+const NO_SURFACE: f64 = 1e-14;
+
 /// How many faces a thread takes at a time.
 const FACES_PER_TASK: usize = 1 << 12;
 
@@ -99,8 +102,17 @@ pub(crate) struct Survey<'a> {
 }
 
 impl<'a> Survey<'a> {
-    /// Checks the input and takes the totals.
+    /// Checks the input, finds the charts and takes the totals.
     pub(crate) fn new(mesh: &'a TriMesh, uv: &'a UvMap) -> Result<Self, MetricsError> {
+        Self::with_charts(mesh, uv, || Charts::find(mesh, uv))
+    }
+
+    /// The same for a map that is known to be one chart.
+    pub(crate) fn of_one_chart(mesh: &'a TriMesh, uv: &'a UvMap) -> Result<Self, MetricsError> {
+        Self::with_charts(mesh, uv, || Charts::ONE)
+    }
+
+    fn with_charts(mesh: &'a TriMesh, uv: &'a UvMap, charts: impl FnOnce() -> Charts) -> Result<Self, MetricsError> {
         check(mesh, uv)?;
         let corners_of = |face: &[VertexId; 3]| face.map(|v| mesh.positions()[v.index()]);
         let flat_of = |face: &[UvId; 3]| face.map(|t| uv.points()[t.index()]);
@@ -117,7 +129,7 @@ impl<'a> Survey<'a> {
             return Err(MetricsError::NoArea { faces: mesh.face_count() });
         }
         let total_uv = areas.iter().map(|&(_, flat)| flat.abs()).sum();
-        let charts = Charts::find(mesh, uv);
+        let charts = charts();
         let majority = majority_signs(&charts, &areas);
         Ok(Self { mesh, uv, surface_scale, uv_scale, charts, majority, areas, total_surface, total_uv })
     }
@@ -140,12 +152,12 @@ impl<'a> Survey<'a> {
 
     /// What `add` makes of every block of faces, in their order. Blocks are always the same, so that sums
     /// over them are too, whatever the number of threads.
-    pub(crate) fn by_block<T: Default + Send>(&self, add: impl Fn(&mut T, FaceId, &FaceDistortion) + Sync) -> Vec<T> {
+    pub(crate) fn by_block<T: Default + Send>(&self, add: impl Fn(&mut T, FaceId) + Sync) -> Vec<T> {
         let count = self.areas.len();
         let block = |b: usize| {
             let mut all = T::default();
             let faces = b * FACES_PER_TASK..count.min((b + 1) * FACES_PER_TASK);
-            faces.map(FaceId::new).for_each(|f| add(&mut all, f, &self.face(f)));
+            faces.map(FaceId::new).for_each(|f| add(&mut all, f));
             all
         };
         (0..count.div_ceil(FACES_PER_TASK)).into_par_iter().map(block).collect()
@@ -168,29 +180,27 @@ impl<'a> Survey<'a> {
 
     /// Whether the chart of a face is mirrored as a whole.
     pub(crate) fn is_mirrored(&self, face: FaceId) -> bool {
-        self.majority[self.charts.of_face[face.index()]] < 0.0
+        self.majority[self.charts.of(face)] < 0.0
     }
 
-    /// How every face lies.
-    pub(crate) fn orientations(&self) -> impl Iterator<Item = Orientation> + '_ {
-        self.areas.iter().enumerate().map(|(f, &(_, signed))| self.orientation(FaceId::new(f), signed))
+    /// How a face lies.
+    pub(crate) fn lies(&self, face: FaceId) -> Orientation {
+        self.orientation(face, self.areas[face.index()].1)
     }
 
-    /// Every UV triangle, scaled, with its area without sign.
-    pub(crate) fn flat_triangles(&self) -> impl Iterator<Item = ([Point2<f64>; 3], f64)> + '_ {
-        let areas = self.areas.iter().map(|&(_, signed)| signed.abs());
-        self.uv.triangles().map(|flat| flat.map(|p| p * self.uv_scale)).zip(areas)
+    /// The UV triangle of a face, scaled, with its area without sign.
+    pub(crate) fn flat_triangle(&self, face: FaceId) -> ([Point2<f64>; 3], f64) {
+        (self.uv.triangle(face).map(|p| p * self.uv_scale), self.areas[face.index()].1.abs())
     }
 
-    /// How many faces on the right side have an area within the rounding of their coordinates.
-    pub(crate) fn near_collapsed(&self, orientations: &[Orientation], epsilon: f64) -> usize {
-        let faces = self.flat_triangles().zip(orientations);
-        faces.filter(|((flat, area), o)| **o == Orientation::Kept && is_within_rounding(flat, *area, epsilon)).count()
+    /// `A₂ / A₃` of a face, up to a factor that is the same for all; `None` where there is no shape to compare with.
+    pub(crate) fn area_ratio(&self, face: FaceId) -> Option<f64> {
+        let (surface, flat) = self.areas[face.index()];
+        (surface > NO_SURFACE * self.total_surface).then_some(flat.abs() / surface)
     }
 
-    fn face(&self, face: FaceId) -> FaceDistortion {
-        /// The share of the surface below which a triangle has no shape to compare with.
-        const NO_SURFACE: f64 = 1e-14;
+    /// What became of a face.
+    pub(crate) fn face(&self, face: FaceId) -> FaceDistortion {
         let surface = self.mesh.triangle(face).map(|p| p * self.surface_scale);
         let flat = self.uv.triangle(face).map(|p| p * self.uv_scale);
         let (area_3d, signed) = self.areas[face.index()];
@@ -224,7 +234,7 @@ impl<'a> Survey<'a> {
     }
 
     fn orientation(&self, face: FaceId, signed_area: f64) -> Orientation {
-        let along_majority = signed_area * self.majority[self.charts.of_face[face.index()]];
+        let along_majority = signed_area * self.majority[self.charts.of(face)];
         if along_majority > 0.0 {
             Orientation::Kept
         } else if along_majority < 0.0 {
@@ -238,8 +248,8 @@ impl<'a> Survey<'a> {
 /// For every chart `+1` or `−1`, the sign of the sum of its signed areas; `+1` for a sum of zero.
 fn majority_signs(charts: &Charts, areas: &[(f64, f64)]) -> Vec<f64> {
     let mut net = vec![0.0; charts.count];
-    for (&chart, &(_, signed)) in charts.of_face.iter().zip(areas) {
-        net[chart] += signed;
+    for (face, &(_, signed)) in areas.iter().enumerate() {
+        net[charts.of(FaceId::new(face))] += signed;
     }
     net.iter().map(|&sum| if sum < 0.0 { -1.0 } else { 1.0 }).collect()
 }
@@ -259,13 +269,13 @@ fn check(mesh: &TriMesh, uv: &UvMap) -> Result<(), MetricsError> {
     }
     let finite = |p: &Point3<f64>| p.iter().all(|x| x.is_finite());
     // Points of no face may be anything; only where one is bad do faces have to be looked at.
-    if !mesh.positions().iter().all(finite)
+    if !mesh.positions().par_iter().with_min_len(FACES_PER_TASK).all(finite)
         && let Some((first, count)) = first_and_count(mesh.triangles().map(|t| !t.iter().all(finite)))
     {
         return Err(MetricsError::PositionNotFinite { first, count });
     }
     let finite = |p: &Point2<f64>| p.iter().all(|x| x.is_finite());
-    if !uv.points().iter().all(finite)
+    if !uv.points().par_iter().with_min_len(FACES_PER_TASK).all(finite)
         && let Some((first, count)) = first_and_count(uv.triangles().map(|t| !t.iter().all(finite)))
     {
         return Err(MetricsError::UvNotFinite { first, count });

@@ -1,6 +1,6 @@
 //! One map in a few numbers.
 
-use abf_mesh::{FaceId, TriMesh, UvMap};
+use abf_mesh::{TriMesh, UvMap};
 use serde::Serialize;
 use std::ops::Deref;
 
@@ -85,7 +85,7 @@ impl Deref for Metrics {
 /// are not finite, a UV map of another mesh. A UV map without any area is a result, not an error.
 pub fn measure(mesh: &TriMesh, uv: &UvMap) -> Result<Metrics, MetricsError> {
     let survey = Survey::new(mesh, uv)?;
-    let certificate = of_survey(&survey, Precision::default());
+    let certificate = of_survey(&survey, None, Precision::default());
     Ok(summed_up(&survey, certificate))
 }
 
@@ -94,12 +94,14 @@ pub fn measure(mesh: &TriMesh, uv: &UvMap) -> Result<Metrics, MetricsError> {
 /// # Errors
 /// As for [`measure`].
 pub fn measure_certified(mesh: &TriMesh, uv: &UvMap, certificate: Certificate) -> Result<Metrics, MetricsError> {
-    Ok(summed_up(&Survey::new(mesh, uv)?, certificate))
+    // What has been found to be one chart need not be taken apart again.
+    let survey = if certificate.charts == 1 { Survey::of_one_chart(mesh, uv) } else { Survey::new(mesh, uv) };
+    Ok(summed_up(&survey?, certificate))
 }
 
 fn summed_up(survey: &Survey<'_>, certificate: Certificate) -> Metrics {
     let mut sums = Sums::default();
-    survey.by_block(Sums::take).iter().for_each(|block| sums.merge(block));
+    survey.by_block(|sums: &mut Sums, face| sums.take(&survey.face(face))).iter().for_each(|block| sums.merge(block));
     let triangles = survey.mesh().face_count();
     let corners = 3.0 * (triangles - sums.degenerate_3d) as f64;
     Metrics {
@@ -138,7 +140,7 @@ struct Sums {
 
 impl Sums {
     /// Takes one face in.
-    fn take(&mut self, _: FaceId, face: &FaceDistortion) {
+    fn take(&mut self, face: &FaceDistortion) {
         if face.degenerate_3d {
             self.degenerate_3d += 1;
         } else {

@@ -5,11 +5,18 @@
 //! directions and agree on the places of both its ends; an edge at which more than two faces agree joins
 //! none of them. What is not joined is boundary, so any set of faces has a boundary, manifold or not.
 
-use abf_mesh::{CornerId, FaceId, Point2, TriMesh, UvId, UvMap, VertexId};
+use abf_mesh::{CornerId, FaceId, Point2, Topology, TriMesh, UvId, UvMap, VertexId};
+use rayon::prelude::*;
 use robust::{Coord, orient2d};
+use std::borrow::Cow;
 
-/// Marks "no corner".
+use crate::winding::completes_turn;
+
+/// Marks "no corner", as in [`Topology::packed_opposites`].
 const NONE: u32 = u32::MAX;
+
+/// Fewer corners or points are not worth a thread.
+const PER_TASK: usize = 1 << 13;
 
 /// The sign of the area of a triangle, exactly: positive counter-clockwise, zero on one line.
 pub(crate) fn turn(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> f64 {
@@ -18,15 +25,21 @@ pub(crate) fn turn(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> f64 {
 }
 
 /// The joined triangles.
-pub(crate) struct Sheet {
+pub(crate) struct Sheet<'a> {
     /// The UV points, scaled around 1.
     places: Vec<Point2<f64>>,
     /// The UV point of every corner; in turned faces the last two are exchanged.
-    corners: Vec<UvId>,
+    corners: Cow<'a, [UvId]>,
     /// The vertex of every corner, in the same order.
-    vertices: Vec<VertexId>,
+    vertices: Cow<'a, [VertexId]>,
     /// The corner that faces the same edge from the other side.
-    opposite: Vec<u32>,
+    opposite: Cow<'a, [u32]>,
+}
+
+/// The UV points times a power of two.
+fn scaled(uv: &UvMap, scale: f64) -> Vec<Point2<f64>> {
+    // Adding zero makes −0 positive, so that equal places have equal bits.
+    uv.points().par_iter().with_min_len(PER_TASK).map(|p| p.map(|x| x * scale + 0.0)).collect()
 }
 
 /// The corners around a vertex, joined one to the next counter-clockwise.
@@ -40,21 +53,31 @@ pub(crate) struct Fan {
     pub(crate) is_closed: bool,
 }
 
-impl Sheet {
+impl<'a> Sheet<'a> {
     /// Joins the faces of a map. `scale` is a power of two; `is_turned` says which faces belong to a
     /// mirrored chart.
     pub(crate) fn new(mesh: &TriMesh, uv: &UvMap, scale: f64, is_turned: impl Fn(usize) -> bool) -> Self {
-        // Adding zero makes −0 positive, so that equal places have equal bits.
-        let places: Vec<Point2<f64>> = uv.points().iter().map(|p| p.map(|x| x * scale + 0.0)).collect();
         let mut corners = uv.corners().to_vec();
         let mut vertices: Vec<VertexId> = mesh.faces().iter().flatten().copied().collect();
         for f in (0..mesh.face_count()).filter(|&f| is_turned(f)) {
             corners.swap(3 * f + 1, 3 * f + 2);
             vertices.swap(3 * f + 1, 3 * f + 2);
         }
-        let mut sheet = Self { places, corners, vertices, opposite: Vec::new() };
-        sheet.opposite = sheet.join(mesh.vertex_count());
+        let places = scaled(uv, scale);
+        let mut sheet = Self { places, corners: corners.into(), vertices: vertices.into(), opposite: Cow::default() };
+        sheet.opposite = sheet.join(mesh.vertex_count()).into();
         sheet
+    }
+
+    /// The same for a map with one point per vertex of a manifold, none of whose faces is turned: joined are the faces
+    /// that its corner table joins.
+    pub(crate) fn of_manifold(mesh: &'a TriMesh, topology: &'a Topology, uv: &'a UvMap, scale: f64) -> Self {
+        Self {
+            places: scaled(uv, scale),
+            corners: uv.corners().into(),
+            vertices: mesh.faces().as_flattened().into(),
+            opposite: topology.packed_opposites().into(),
+        }
     }
 
     /// How many corners there are.
@@ -107,6 +130,25 @@ impl Sheet {
         }
     }
 
+    /// In how many corners at these vertices the step from one edge to the next leads from the lower half plane to the
+    /// upper one: the turns around all of them together, when all their triangles are counter-clockwise.
+    pub(crate) fn turns(&self, is_at: impl Fn(VertexId) -> bool + Sync) -> usize {
+        let corners = (0..self.corner_count()).into_par_iter().with_min_len(PER_TASK).map(CornerId::new);
+        corners.filter(|&c| is_at(self.vertex(c)) && completes_turn(self, c)).count()
+    }
+
+    /// The fan of a vertex that stands in one place, from its first corner.
+    pub(crate) fn fan_from(&self, first: CornerId) -> Fan {
+        let mut last = first;
+        while let Some(next) = self.rotate_ccw(last) {
+            if next == first {
+                return Fan { first, last, is_closed: true };
+            }
+            last = next;
+        }
+        Fan { first, last, is_closed: false }
+    }
+
     /// Every fan once: those on the boundary, then those that close.
     pub(crate) fn fans(&self) -> impl Iterator<Item = Fan> + '_ {
         let mut seen = vec![false; self.corner_count()];
@@ -116,13 +158,9 @@ impl Sheet {
             if seen[first.index()] || (is_open && self.opposite[first.prev().index()] != NONE) {
                 return None;
             }
-            seen[first.index()] = true;
-            let mut last = first;
-            while let Some(next) = self.rotate_ccw(last).filter(|&next| next != first) {
-                seen[next.index()] = true;
-                last = next;
-            }
-            Some(Fan { first, last, is_closed: !is_open })
+            let fan = self.fan_from(first);
+            self.fan_corners(fan).for_each(|c| seen[c.index()] = true);
+            Some(fan)
         })
     }
 

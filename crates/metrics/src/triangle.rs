@@ -1,8 +1,9 @@
 //! One triangle in space, one in the plane, and the affine map between them.
 
 use abf_mesh::{Point2, Point3};
-use nalgebra::Point;
+use nalgebra::{Point, SVector as Vector};
 use robust::{Coord, orient2d};
+use std::f64::consts::PI;
 
 /// The power of two `s` that brings `largest` into `[1, 2)`.
 ///
@@ -57,7 +58,22 @@ pub(crate) fn signed_uv_area(corners: &[Point2<f64>; 3]) -> f64 {
 pub(crate) fn angles<const D: usize>([a, b, c]: &[Point<f64, D>; 3], area: f64) -> [f64; 3] {
     let (ab, bc, ca) = (b - a, c - b, a - c);
     // Adding zero makes −0 positive: atan2(0, −0) would be π.
-    [ab.dot(&-ca), bc.dot(&-ab), ca.dot(&-bc)].map(|dot| (2.0 * area).atan2(dot + 0.0))
+    let angle = |e: Vector<f64, D>, f: Vector<f64, D>| (2.0 * area).atan2(e.dot(&-f) + 0.0);
+    if !(area > 0.0) {
+        return [angle(ab, ca), angle(bc, ab), angle(ca, bc)];
+    }
+    // The angle that faces the longest edge is at least π/3: what the other two leave of π has all its digits.
+    let [facing_a, facing_b, facing_c] = [bc, ca, ab].map(|edge| edge.norm_squared());
+    if facing_a >= facing_b && facing_a >= facing_c {
+        let (at_b, at_c) = (angle(bc, ab), angle(ca, bc));
+        [PI - at_b - at_c, at_b, at_c]
+    } else if facing_b >= facing_c {
+        let (at_a, at_c) = (angle(ab, ca), angle(ca, bc));
+        [at_a, PI - at_a - at_c, at_c]
+    } else {
+        let (at_a, at_b) = (angle(ab, ca), angle(bc, ab));
+        [at_a, at_b, PI - at_a - at_b]
+    }
 }
 
 /// The cotangents of the three angles of a triangle of this area, `e₁ · e₂ / 2A`, in `[−∞, ∞]`; as for

@@ -1,5 +1,7 @@
 //! Fans whose triangles wind around their vertex more than once.
 
+use abf_mesh::CornerId;
+
 use crate::direction;
 use crate::sheet::{Fan, Sheet};
 
@@ -9,15 +11,21 @@ use crate::sheet::{Fan, Sheet};
 /// is completed exactly where a step leads from the lower half plane to the upper one: counting those
 /// steps counts turns without any rounding. A fan that closes must turn once; one on the boundary must
 /// not turn further than once, which means that it may come back to its first edge, but not pass it.
-pub(crate) fn winds_twice(sheet: &Sheet, fan: Fan) -> bool {
+pub(crate) fn winds_twice(sheet: &Sheet<'_>, fan: Fan) -> bool {
     let centre = sheet.place(fan.first);
-    let is_upper = |p| direction::is_upper(centre, p);
-    let completes_turn = |c: &abf_mesh::CornerId| !is_upper(sheet.place(c.next())) && is_upper(sheet.place(c.prev()));
-    let turns = sheet.fan_corners(fan).filter(completes_turn).count();
+    let turns = sheet.fan_corners(fan).filter(|&c| completes_turn(sheet, c)).count();
     if fan.is_closed || turns != 1 {
         return turns > 1;
     }
     // Once across the positive x axis: a full turn if it ends beyond where it began.
     let (begin, end) = (sheet.place(fan.first.next()), sheet.place(fan.last.prev()));
     direction::compare(centre, begin, end).is_lt()
+}
+
+/// Whether the step across a triangle, from one edge at this corner to the next, leads from the lower half plane around
+/// the corner to the upper one.
+#[inline]
+pub(crate) fn completes_turn(sheet: &Sheet<'_>, corner: CornerId) -> bool {
+    let centre = sheet.place(corner);
+    !direction::is_upper(centre, sheet.place(corner.next())) && direction::is_upper(centre, sheet.place(corner.prev()))
 }

@@ -4,12 +4,16 @@ use crate::tree::EdgeVectors;
 use crate::{LinearError, LinearStats, Pins, least_squares, poisson};
 use abf_linalg::Complex64;
 use abf_mesh::{Point2, Topology, TriMesh, UvMap};
+use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
 /// Angles are kept this far from 0 and π, rad, when they are laid out.
 pub const ANGLE_CLAMP: f64 = 1e-6;
+
+/// Fewer angles or points are not worth a thread.
+const PER_TASK: usize = 1 << 13;
 
 /// How to get from angles to coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -138,10 +142,11 @@ pub fn layout(
         return Err(LayoutError::AngleCount { given: angles.len(), corners: topology.corner_count() });
     }
     let pins = Pins::far_apart(mesh, topology).ok_or(LayoutError::NoBoundary)?;
-    let clamped: Vec<f64> = angles.iter().map(|x| x.clamp(ANGLE_CLAMP, PI - ANGLE_CLAMP)).collect();
+    let clamped: Vec<f64> =
+        angles.par_iter().with_min_len(PER_TASK).map(|x| x.clamp(ANGLE_CLAMP, PI - ANGLE_CLAMP)).collect();
     let moved_angles = angles.iter().zip(&clamped).filter(|(x, y)| x != y).count();
     let Placed { z, kind, linear, closing_error } = place(topology, &clamped, pins, settings)?;
-    let uv = finish(mesh, topology, &z, pins).ok_or(LayoutError::NotFinite { kind })?;
+    let uv = finish(mesh, &z, pins).ok_or(LayoutError::NotFinite { kind })?;
     Ok(Layout { uv, kind, linear, closing_error, moved_angles })
 }
 
@@ -188,26 +193,23 @@ fn place(topology: &Topology, angles: &[f64], pins: Pins, settings: &LayoutSetti
 pub fn aligned(mesh: &TriMesh, topology: &Topology, points: &[Point2<f64>]) -> Option<UvMap> {
     assert_eq!(points.len(), mesh.vertex_count(), "one point per vertex");
     let z: Vec<Complex64> = points.iter().map(|p| Complex64::new(p.x, p.y)).collect();
-    finish(mesh, topology, &z, Pins::far_apart(mesh, topology)?)
+    finish(mesh, &z, Pins::far_apart(mesh, topology)?)
 }
 
 /// Moves, turns and scales: pins on the x-axis, triangles counter-clockwise, the area of the
 /// surface. `None` when a coordinate is not finite.
-fn finish(mesh: &TriMesh, topology: &Topology, z: &[Complex64], pins: Pins) -> Option<UvMap> {
+fn finish(mesh: &TriMesh, z: &[Complex64], pins: Pins) -> Option<UvMap> {
     let origin = z[pins.origin.index()];
     let axis = z[pins.axis.index()] - origin;
     // Pins that fell on each other fix no direction.
     let turn = if axis.norm() > 0.0 { axis.conj() / axis.norm() } else { Complex64::from(1.0) };
-    let points: Vec<Point2<f64>> = topology
-        .vertices()
-        .map(|v| {
-            let p = (z[v.index()] - origin) * turn;
-            Point2::new(p.re, p.im)
-        })
-        .collect();
+    let turned = |z: &Complex64| {
+        let p = (z - origin) * turn;
+        Point2::new(p.re, p.im)
+    };
+    let points: Vec<Point2<f64>> = z.par_iter().with_min_len(PER_TASK).map(turned).collect();
     let map = UvMap::per_vertex(mesh, &points);
-    let uv_area: f64 = map.triangles().map(|[a, b, c]| 0.5 * (b - a).perp(&(c - a)).abs()).sum();
-    let scale = (mesh.area() / uv_area).sqrt();
+    let scale = (mesh.area() / map.area()).sqrt();
     let mirror = if map.signed_area() < 0.0 { -1.0 } else { 1.0 };
     let scale = if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
     let map = map.mapped(|p| Point2::new(scale * p.x, mirror * scale * p.y));

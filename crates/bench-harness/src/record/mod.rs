@@ -8,7 +8,7 @@ mod times;
 use crate::compare::Change;
 use crate::errors::Failure;
 use crate::methods::NotRun;
-use abf::{KktCounts, WheelForm, constraints::ConstraintRows};
+use abf::KktCounts;
 use abf_mesh::{Topology, TriMesh};
 pub(crate) use quality::Quality;
 pub(crate) use run::{Run, Rung};
@@ -120,10 +120,8 @@ pub(crate) struct Kkt {
 }
 
 impl Kkt {
-    /// The counters of a disk.
-    pub(crate) fn of(topology: &Topology) -> Self {
-        let rows = ConstraintRows::new(topology);
-        let [log, product] = [WheelForm::Log, WheelForm::Product].map(|form| KktCounts::of(form, topology, &rows));
+    /// The counters of the problem in its log and its product form.
+    pub(crate) fn new([log, product]: [KktCounts; 2]) -> Self {
         Self { unknowns: log.unknowns, nonzeros_log: log.nonzeros, nonzeros_product: product.nonzeros }
     }
 }

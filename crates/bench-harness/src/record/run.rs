@@ -113,12 +113,16 @@ impl Rung {
 }
 
 /// Why double precision is what UVs suffer from: see [`abf::PrecisionLimits`].
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct Limits {
     /// Triangles that another rounding could turn over.
     pub(crate) near_collapsed: usize,
+    /// The first of them, counted from 0.
+    pub(crate) near_collapsed_faces: Vec<usize>,
     /// Triangles that the descent held in place.
     pub(crate) held_faces: usize,
+    /// The first of them.
+    pub(crate) first_held_faces: Vec<usize>,
     /// How much more lengths shrink in one place than in another.
     pub(crate) spread: f64,
 }
@@ -156,9 +160,11 @@ impl Run {
             closing_error: flat.layout.closing_error,
             pinned: flat.layout.pinned,
             scaled: flat.layout.scaled,
-            precision_limits: flat.precision_limits.map(|limits| Limits {
+            precision_limits: flat.precision_limits.as_ref().map(|limits| Limits {
                 near_collapsed: limits.near_collapsed,
+                near_collapsed_faces: limits.near_collapsed_faces.iter().map(|face| face.index()).collect(),
                 held_faces: limits.held_faces,
+                first_held_faces: limits.first_held_faces.iter().map(|face| face.index()).collect(),
                 spread: limits.spread,
             }),
         }

@@ -14,7 +14,7 @@ enum Cover {
 
 /// All sectors at one spot.
 pub(super) struct Meeting<'a> {
-    sheet: &'a Sheet,
+    sheet: &'a Sheet<'a>,
     centre: Point2<f64>,
     /// Where each sector begins and ends, counter-clockwise.
     sectors: Vec<([Point2<f64>; 2], Cover)>,
@@ -22,7 +22,7 @@ pub(super) struct Meeting<'a> {
 
 impl<'a> Meeting<'a> {
     /// The sectors at a spot: those of the fans there, and those beside the segments that pass it.
-    pub(super) fn new(sheet: &'a Sheet, outline: &Outline, spot: u32, fans: &[Fan], passing: &[&Segment]) -> Self {
+    pub(super) fn new(sheet: &'a Sheet<'a>, outline: &Outline, spot: u32, fans: &[Fan], passing: &[&Segment]) -> Self {
         let centre = outline.place(spot);
         let mut sectors = Vec::new();
         for &fan in fans {
@@ -96,14 +96,14 @@ impl<'a> Meeting<'a> {
 }
 
 /// The first face of a fan that winds more than once, and the one that covers it after a full turn.
-pub(super) fn faces_over_each_other(sheet: &Sheet, fan: Fan) -> [Option<FaceId>; 2] {
+pub(super) fn faces_over_each_other(sheet: &Sheet<'_>, fan: Fan) -> [Option<FaceId>; 2] {
     let begin = sheet.place(fan.first.next());
     let again = sheet.fan_corners(fan).skip(1).find(|&c| is_towards(sheet, c, begin));
     [Some(fan.first.face()), again.map(CornerId::face)]
 }
 
 /// Whether the face of a corner lies just counter-clockwise of a direction from that corner.
-fn is_towards(sheet: &Sheet, corner: CornerId, towards: Point2<f64>) -> bool {
+fn is_towards(sheet: &Sheet<'_>, corner: CornerId, towards: Point2<f64>) -> bool {
     let [centre, begin, end] = [corner, corner.next(), corner.prev()].map(|c| sheet.place(c));
     let begins = direction::is_upper(centre, begin) == direction::is_upper(centre, towards)
         && turn(centre, begin, towards) == 0.0;

@@ -43,9 +43,9 @@ pub(crate) struct Overlaps {
 }
 
 impl Overlaps {
-    /// Finds them; at most `listed` pairs of faces are named. `fans` are all fans of the sheet, `twice`
+    /// Finds them; at most `listed` pairs of faces are named. `fans` are the fans on the boundary, `twice`
     /// those of them that wind more than once.
-    pub(crate) fn find(sheet: &Sheet, fans: &[Fan], twice: &[Fan], listed: usize) -> Self {
+    pub(crate) fn find(sheet: &Sheet<'_>, fans: &[Fan], twice: &[Fan], listed: usize) -> Self {
         let outline = Outline::new(sheet);
         let mut found = Self::default();
         let mut pieces = DisjointSets::new(outline.spots.len());
@@ -97,13 +97,13 @@ impl Overlaps {
     /// Looks around every spot where more than one fan or segment is.
     fn meet(
         &mut self,
-        sheet: &Sheet,
+        sheet: &Sheet<'_>,
         outline: &Outline,
         (fans, twice): (&[(u32, Fan)], &[Fan]),
         passes: &[(u32, u32)],
         listed: usize,
     ) {
-        let mut over: Vec<Fan> = twice.iter().filter(|fan| !fan.is_closed).copied().collect();
+        let mut over = twice.to_vec();
         over.sort_unstable_by_key(|fan| fan.first);
         let is_over = |fan: &Fan| over.binary_search_by_key(&fan.first, |fan| fan.first).is_ok();
         let mut rest = passes;
@@ -135,7 +135,7 @@ impl Overlaps {
     /// Looks from every piece at the others.
     fn nest(
         &mut self,
-        sheet: &Sheet,
+        sheet: &Sheet<'_>,
         outline: &Outline,
         fans: &[(u32, Fan)],
         pieces: &mut DisjointSets,
@@ -185,15 +185,14 @@ impl Overlaps {
 }
 
 /// The fans on the boundary with their spots, ordered by them.
-fn fans_at_spots(sheet: &Sheet, outline: &Outline, fans: &[Fan]) -> Vec<(u32, Fan)> {
-    let open = fans.iter().filter(|fan| !fan.is_closed);
-    let mut at_spots: Vec<(u32, Fan)> = open.map(|&fan| (outline.spot(sheet, fan.first), fan)).collect();
+fn fans_at_spots(sheet: &Sheet<'_>, outline: &Outline, fans: &[Fan]) -> Vec<(u32, Fan)> {
+    let mut at_spots: Vec<(u32, Fan)> = fans.iter().map(|&fan| (outline.spot(sheet, fan.first), fan)).collect();
     at_spots.sort_by_key(|&(spot, fan)| (spot, fan.first));
     at_spots
 }
 
 /// How many fans at the first spot of a piece cover the points left of it.
-fn faces_left_of(sheet: &Sheet, outline: &Outline, fans: &[(u32, Fan)], spot: u32) -> i64 {
+fn faces_left_of(sheet: &Sheet<'_>, outline: &Outline, fans: &[(u32, Fan)], spot: u32) -> i64 {
     let begin = fans.partition_point(|&(other, _)| other < spot);
     let here = fans[begin..].iter().take_while(|&&(other, _)| other == spot);
     let centre = outline.place(spot);
@@ -265,7 +264,7 @@ fn winding_around(outline: &Outline, tree: &BoxTree, place: Point2<f64>) -> i64 
 }
 
 /// For each of a few segments that lie under faces elsewhere: one of its faces, and a face over it.
-fn faces_over(sheet: &Sheet, outline: &Outline, segments: &[u32]) -> Vec<[Option<FaceId>; 2]> {
+fn faces_over(sheet: &Sheet<'_>, outline: &Outline, segments: &[u32]) -> Vec<[Option<FaceId>; 2]> {
     let own: Vec<FaceId> = segments.iter().filter_map(|&s| outline.segments[s as usize].face()).collect();
     let mut over = vec![None; own.len()];
     if own.is_empty() {

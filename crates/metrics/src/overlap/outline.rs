@@ -56,7 +56,7 @@ impl Segment {
 
 impl Outline {
     /// The boundary of a sheet. Edges without length are left out: nothing lies beside them.
-    pub(super) fn new(sheet: &Sheet) -> Self {
+    pub(super) fn new(sheet: &Sheet<'_>) -> Self {
         let mut spot_of_point = vec![NONE; sheet.point_count()];
         for c in sheet.boundary() {
             [c.next(), c.prev()].into_iter().for_each(|c| spot_of_point[sheet.point(c).index()] = 0);
@@ -97,7 +97,7 @@ impl Outline {
     }
 
     /// The spot of a corner on the boundary.
-    pub(super) fn spot(&self, sheet: &Sheet, corner: CornerId) -> u32 {
+    pub(super) fn spot(&self, sheet: &Sheet<'_>, corner: CornerId) -> u32 {
         self.spot_of_point[sheet.point(corner).index()]
     }
 }
