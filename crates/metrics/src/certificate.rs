@@ -84,8 +84,7 @@ pub struct Certificate {
     /// What the coordinates were rounded to before.
     #[serde(serialize_with = "as_text")]
     pub precision: Precision,
-    /// How many charts: [`Metrics::charts`](crate::Metrics::charts).
-    #[serde(skip)]
+    /// How many charts: connected components of the UV points, where a face connects its three.
     pub charts: usize,
     /// Triangles whose orientation is opposite to the area-weighted majority of their chart. A chart that
     /// is mirrored as a whole has none.

@@ -20,8 +20,6 @@ use crate::{Certificate, MetricsError, Precision};
 pub struct Metrics {
     /// How many triangles there are.
     pub triangles: usize,
-    /// How many charts: connected components of the UV points, where a face connects its three.
-    pub charts: usize,
     /// Triangles without an area in 3-D, `A₃ ≤ 1e-14 ΣA₃`. They are left out of every distortion
     /// below, but not out of the counts above.
     pub degenerate_3d: usize,
@@ -106,7 +104,6 @@ fn summed_up(survey: &Survey<'_>, certificate: Certificate) -> Metrics {
     let corners = 3.0 * (triangles - sums.degenerate_3d) as f64;
     Metrics {
         triangles,
-        charts: survey.chart_count(),
         degenerate_3d: sums.degenerate_3d,
         f: sums.squared_error / corners,
         f_weighted: sums.squared_relative_error / corners,

@@ -2,8 +2,8 @@
 
 mod support;
 
-use abf_mesh::{FaceId, Point2, Point3, TriMesh, UvId, UvMap, VertexId};
-use abf_metrics::{Certificate, Precision, certify};
+use abf_mesh::{FaceId, Point2, Point3, Topology, TriMesh, UvId, UvMap, VertexId};
+use abf_metrics::{Certificate, Precision, certify, certify_connected};
 use std::collections::{BTreeMap, BTreeSet};
 use support::{Noise, mesh, per_vertex, sheet, uv_map};
 
@@ -36,7 +36,16 @@ impl Drawing {
         let mesh = TriMesh::new((0..self.places.len()).map(lift).collect(), &self.faces).expect("indices in range");
         let points = self.places.iter().map(|p| Point2::new(p[0] as f64, p[1] as f64)).collect();
         let corners = self.faces.iter().flatten().map(|&v| UvId::new(v)).collect();
-        certify(&mesh, &UvMap::new(points, corners), Precision::Double).expect("a map")
+        let uv = UvMap::new(points, corners);
+        let certificate = certify(&mesh, &uv, Precision::Double).expect("a map");
+        // With a corner table at hand it is another way to the same.
+        if let Ok(topology) = Topology::build(mesh.vertex_count(), mesh.faces())
+            && topology.components().1 == 1
+        {
+            let connected = certify_connected(&mesh, &topology, &uv, Precision::Double).expect("a map");
+            assert_eq!(connected, certificate);
+        }
+        certificate
     }
 
     /// Pairs of triangles with an inner point in common.

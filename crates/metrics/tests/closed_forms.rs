@@ -91,9 +91,10 @@ fn a_seam_does_not_change_the_figures() {
     let every_corner: Vec<[f64; 2]> =
         whole.triangles().flatten().enumerate().map(|(c, p)| [p.x + shift(c), p.y]).collect();
     let cut_open = uv_map(&every_corner, &[[0, 1, 2], [3, 4, 5]]);
-    let (whole, cut_open) = (measured(&flat, &whole), measured(&flat, &cut_open));
+    let (whole, mut cut_open) = (measured(&flat, &whole), measured(&flat, &cut_open));
     assert_eq!(cut_open.charts, 2);
-    assert_eq!(Metrics { charts: 1, ..cut_open }, whole);
+    cut_open.certificate.charts = 1;
+    assert_eq!(cut_open, whole);
 }
 
 #[test]
