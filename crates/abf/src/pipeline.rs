@@ -102,6 +102,13 @@ impl FromStr for ZeroArea {
     }
 }
 
+/// What a surface has to be.
+#[derive(Clone, Copy)]
+enum Shape {
+    Disk,
+    Any,
+}
+
 /// Flattens a disk with the default settings.
 ///
 /// # Errors
@@ -116,6 +123,18 @@ impl Pipeline {
     /// # Errors
     /// [`FlattenError`] when there is no usable result at all.
     pub fn run(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+        self.run_on(mesh, Shape::Disk, observer)
+    }
+
+    /// Flattens a component without handles as if its holes were not there: nothing sees to it that they close.
+    ///
+    /// # Errors
+    /// [`FlattenError`] when there is no usable result at all.
+    pub(crate) fn run_unclosed(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+        self.run_on(mesh, Shape::Any, observer)
+    }
+
+    fn run_on(&self, mesh: &TriMesh, shape: Shape, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         self.check_layout()?;
         self.check_memory(mesh)?;
         if matches!(self.solver, SolverKind::Auto | SolverKind::Descent) {
@@ -134,7 +153,11 @@ impl Pipeline {
         if self.zero_area == ZeroArea::Refuse {
             working.check_geometry()?;
         }
-        let problem = AngleProblem::new(&topology, working.corner_angles(), self.estimate)?;
+        let angles = working.corner_angles();
+        let problem = match shape {
+            Shape::Disk => AngleProblem::new(&topology, angles, self.estimate)?,
+            Shape::Any => AngleProblem::unclosed(&topology, angles, self.estimate)?,
+        };
         let task = Task { pipeline: *self, original: mesh, mesh: working, scale, problem: &problem };
         match self.solver {
             SolverKind::Auto => ladder::climb(&task, observer),

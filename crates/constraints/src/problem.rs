@@ -121,11 +121,25 @@ impl<'a> AngleProblem<'a> {
     /// is out of range.
     pub fn new(
         topology: &'a Topology,
+        mesh_angles: Vec<f64>,
+        settings: EstimateSettings,
+    ) -> Result<Self, ProblemError> {
+        topology.require_disk()?;
+        Self::unclosed(topology, mesh_angles, settings)
+    }
+
+    /// The same for a surface that need not be a disk. Its constraints are necessary and, where there are holes or
+    /// handles, not sufficient: with b boundary loops and g handles `4 (b − 1 + g)` conditions are missing, and angles that
+    /// satisfy the others need not close around them.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when an angle is not in `[0, π]`, or a setting is out of range.
+    pub fn unclosed(
+        topology: &'a Topology,
         mut mesh_angles: Vec<f64>,
         settings: EstimateSettings,
     ) -> Result<Self, ProblemError> {
         settings.check()?;
-        topology.require_disk()?;
         check_angles(topology, &mesh_angles)?;
         let shapeless_faces = give_shape(&mut mesh_angles, settings.angle_bound);
         let rows = ConstraintRows::new(topology);
