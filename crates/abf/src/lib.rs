@@ -27,8 +27,10 @@ mod pipeline;
 mod precision_limits;
 mod solver_kind;
 mod task;
+mod unwrap;
 
 pub use abf_constraints as constraints;
+pub use abf_cut as cut;
 pub use abf_embed as embed;
 pub use abf_mesh as mesh;
 pub use abf_metrics as metrics;
@@ -52,3 +54,4 @@ pub use memory::predict_memory;
 pub use pipeline::{Pipeline, ZeroArea, flatten};
 pub use precision_limits::PrecisionLimits;
 pub use solver_kind::{SolverKind, UnknownSolver};
+pub use unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped, UnwrappedChart};

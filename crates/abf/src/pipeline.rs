@@ -102,6 +102,13 @@ impl FromStr for ZeroArea {
     }
 }
 
+/// What a surface has to be.
+#[derive(Clone, Copy)]
+enum Shape {
+    Disk,
+    Any,
+}
+
 /// Flattens a disk with the default settings.
 ///
 /// # Errors
@@ -116,6 +123,18 @@ impl Pipeline {
     /// # Errors
     /// [`FlattenError`] when there is no usable result at all.
     pub fn run(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+        self.run_on(mesh, Shape::Disk, observer)
+    }
+
+    /// Flattens a component without handles as if its holes were not there: nothing sees to it that they close.
+    ///
+    /// # Errors
+    /// [`FlattenError`] when there is no usable result at all.
+    pub(crate) fn run_unclosed(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+        self.run_on(mesh, Shape::Any, observer)
+    }
+
+    fn run_on(&self, mesh: &TriMesh, shape: Shape, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         self.check_layout()?;
         self.check_memory(mesh)?;
         if matches!(self.solver, SolverKind::Auto | SolverKind::Descent) {
@@ -132,7 +151,10 @@ impl Pipeline {
         let (topology, angles) =
             rayon::join(|| Topology::build(mesh.vertex_count(), mesh.faces()), || self.corner_angles(mesh, working));
         let topology = topology?;
-        let problem = AngleProblem::new(&topology, angles?, self.estimate)?;
+        let problem = match shape {
+            Shape::Disk => AngleProblem::new(&topology, angles?, self.estimate)?,
+            Shape::Any => AngleProblem::unclosed(&topology, angles?, self.estimate)?,
+        };
         let task = Task { pipeline: *self, original: mesh, mesh: working, scale, problem: &problem };
         match self.solver {
             SolverKind::Auto => ladder::climb(&task, observer),

@@ -20,6 +20,7 @@ const LAYERS: &[(&str, u32)] = &[
     ("abf-reconstruct", 3),
     ("abf-metrics", 3),
     ("abf-embed", 3),
+    ("abf-cut", 3),
     ("abf", 4),
     ("abf-report", 4),
     ("bench-harness", 5),

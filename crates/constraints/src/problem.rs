@@ -125,12 +125,36 @@ impl<'a> AngleProblem<'a> {
     /// is out of range.
     pub fn new(
         topology: &'a Topology,
-        mut mesh_angles: Vec<f64>,
+        mesh_angles: Vec<f64>,
         settings: EstimateSettings,
     ) -> Result<Self, ProblemError> {
         settings.check()?;
         let (is_disk, rows) = rayon::join(|| topology.require_disk(), || ConstraintRows::new(topology));
         is_disk?;
+        Self::with_rows(topology, rows, mesh_angles, settings)
+    }
+
+    /// The same for a surface that need not be a disk. Its constraints are necessary and, where there are holes or
+    /// handles, not sufficient: with b boundary loops and g handles `4 (b − 1 + g)` conditions are missing, and angles that
+    /// satisfy the others need not close around them.
+    ///
+    /// # Errors
+    /// [`ProblemError`] when an angle is not in `[0, π]`, or a setting is out of range.
+    pub fn unclosed(
+        topology: &'a Topology,
+        mesh_angles: Vec<f64>,
+        settings: EstimateSettings,
+    ) -> Result<Self, ProblemError> {
+        settings.check()?;
+        Self::with_rows(topology, ConstraintRows::new(topology), mesh_angles, settings)
+    }
+
+    fn with_rows(
+        topology: &'a Topology,
+        rows: ConstraintRows,
+        mut mesh_angles: Vec<f64>,
+        settings: EstimateSettings,
+    ) -> Result<Self, ProblemError> {
         check_angles(topology, &mesh_angles)?;
         let shapeless_faces = give_shape(&mut mesh_angles, settings.angle_bound);
         let sum = |i: usize| rows.hubs(i).iter().map(|c| mesh_angles[c.index()]).sum::<f64>();

@@ -1,0 +1,62 @@
+//! Why there are no charts.
+
+use crate::FlattenError;
+use abf_cut::{RepairError, RepairReport};
+use abf_mesh::FaceId;
+
+/// Why a mesh could not be unwrapped.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum UnwrapError {
+    /// There is nothing to work with.
+    #[error(transparent)]
+    Repair(#[from] RepairError),
+    /// A strict run met a mesh that needs repair.
+    #[error("the mesh is not clean, and a strict run repairs nothing: {}", .found.join(", "))]
+    NotClean {
+        /// What would be done, a sentence for each kind.
+        found: Vec<String>,
+    },
+    /// A hint that is not of this mesh.
+    #[error("{given} {what}, but the mesh has {expected}")]
+    Hint {
+        /// Of what.
+        what: &'static str,
+        /// How many were given.
+        given: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// A setting outside its range.
+    #[error("{name} must be {allowed}, got {value}")]
+    Setting {
+        /// Which setting.
+        name: &'static str,
+        /// What it may be.
+        allowed: &'static str,
+        /// What it was.
+        value: f64,
+    },
+    /// A component or chart that could not be flattened.
+    #[error("the chart that begins at face {first} could not be flattened")]
+    Chart {
+        /// Its first face, by its number in the input.
+        first: FaceId,
+        /// Why.
+        source: FlattenError,
+    },
+    /// The cut surface is not what it should be.
+    #[error(transparent)]
+    Flatten(#[from] FlattenError),
+}
+
+/// What a strict run says to a mesh that needs repair.
+pub(super) fn refuse_repairs(report: &RepairReport) -> Result<(), UnwrapError> {
+    if report.is_clean() && report.zero_area_faces.count == 0 {
+        return Ok(());
+    }
+    // Unused vertices are no reason to refuse.
+    let mut reasons = *report;
+    reasons.unused_vertices = 0;
+    Err(UnwrapError::NotClean { found: reasons.sentences() })
+}

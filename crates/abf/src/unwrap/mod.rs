@@ -1,0 +1,288 @@
+//! From any triangle mesh to charts: the flatten–cut loop and everything around it.
+
+mod assemble;
+mod component;
+mod error;
+mod finish;
+mod hints;
+mod relay;
+mod stretch;
+
+use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolverKind};
+use abf_cut::{Chart, CostSettings, HoleFilling, RepairReport, Seams, label_borders, repair, split, uv_borders};
+use abf_mesh::{CornerId, FaceId, TriMesh, UvMap, VertexId};
+use abf_metrics::Metrics;
+use abf_solve_core::{Observer, Termination};
+use component::{Component, Finished};
+pub use error::UnwrapError;
+pub use hints::SurfaceHints;
+use rayon::prelude::*;
+use relay::Relay;
+use std::fmt;
+use std::str::FromStr;
+
+/// Every setting of an unwrapping: which seams, what becomes of holes, and the [`Pipeline`] for each chart.
+///
+/// Where seams have to be found, they grow with the stretch: cut to a disk, flatten, look where the map shrinks the
+/// surface most, cut there, and again, until the stretch is what is aimed at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unwrap {
+    /// How each chart is flattened. [`Pipeline::normalize`] does not concern charts: they come out at one scale.
+    pub pipeline: Pipeline,
+    /// Where seams come from.
+    pub seams: SeamRule,
+    /// What becomes of holes: of all boundary loops of a component but its longest.
+    pub holes: HoleRule,
+    /// What seams prefer.
+    pub costs: CostSettings,
+    /// The L² stretch ([`Metrics::stretch_l2`]) a chart aims at; at least 1.
+    pub max_stretch: f64,
+    /// Seams of a component grow no further when they are this long, as a multiple of the diagonal of its bounding box.
+    pub max_seam: Option<f64>,
+    /// At most so many flattenings per component before the last.
+    pub max_rounds: usize,
+    /// How many vertices a round joins to the seam, at most.
+    pub terminals: usize,
+    /// How far these are apart at least, as a part of the diagonal of the bounding box.
+    pub spacing: f64,
+    /// Whether components that are disks already may be cut further when their stretch is above
+    /// [`max_stretch`](Self::max_stretch).
+    pub cut_disks: bool,
+    /// Whether a mesh that needs repair, or has faces without area, is refused.
+    pub strict: bool,
+}
+
+impl Default for Unwrap {
+    fn default() -> Self {
+        Self {
+            pipeline: Pipeline::default(),
+            seams: SeamRule::Auto,
+            holes: HoleRule::default(),
+            costs: CostSettings::default(),
+            max_stretch: 1.1,
+            max_seam: None,
+            max_rounds: 40,
+            terminals: 3,
+            spacing: 0.15,
+            cut_disks: false,
+            strict: false,
+        }
+    }
+}
+
+/// Where seams come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SeamRule {
+    /// From the shape and the stretch.
+    #[default]
+    Auto,
+    /// Those of [`SurfaceHints`]: the seams of the UV map and the borders of the labels. Charts that are no disks after
+    /// that are cut as little as makes them disks, and no further.
+    Keep,
+}
+
+/// What becomes of holes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum HoleRule {
+    /// Closed by virtual faces while the chart is flattened; they are dropped after.
+    Fill(HoleFilling),
+    /// Joined by seams.
+    Cut,
+    /// Left as they are in components without handles: the angle conditions of a disk, which do not say that a hole
+    /// closes, and least squares. The result may be far from the angles solved for.
+    Free,
+}
+
+impl Default for HoleRule {
+    fn default() -> Self {
+        Self::Fill(HoleFilling::default())
+    }
+}
+
+/// A mesh in charts.
+#[derive(Clone, Debug)]
+pub struct Unwrapped {
+    /// The charts, in the order of the lowest faces of their components. Each has coordinates of its own.
+    pub charts: Vec<UnwrappedChart>,
+    /// What had to be repaired.
+    pub repairs: RepairReport,
+    /// The edges of the input along which charts are cut, lower vertex first, ascending. Edges that a repair split are not
+    /// among them.
+    pub seams: Vec<[VertexId; 2]>,
+    /// Their length, in units of the mesh.
+    pub seam_length: f64,
+    /// The diagonal of the bounding box of the mesh, to compare lengths with.
+    pub diagonal: f64,
+    /// Corners of faces that are in no chart, each with the corner whose UV it takes: see [`Unwrapped::assemble`].
+    pub followers: Vec<(CornerId, CornerId)>,
+    corner_count: usize,
+}
+
+/// One chart.
+#[derive(Clone, Debug)]
+pub struct UnwrappedChart {
+    /// The component of the repaired mesh it is of.
+    pub component: usize,
+    /// Its faces, by their numbers in the input, ascending.
+    pub faces: Vec<FaceId>,
+    /// Its UVs: corner `3i + k` is corner `k` of the input's face `faces[i]`. The area is that of the surface.
+    pub uv: UvMap,
+    /// Its distortion and its certificate, without virtual faces. Faces that were turned around count as turned.
+    pub metrics: Metrics,
+    /// Whose result it is.
+    pub solver: SolverKind,
+    /// How the solver ended.
+    pub termination: Termination,
+    /// What the layout did.
+    pub layout: LayoutReport,
+    /// What the solvers of [`SolverKind::Auto`] came to.
+    pub rungs: Vec<RungReport>,
+    /// The largest difference between an angle of the UVs and the one solved for, rad, over faces that are not virtual;
+    /// `None` where no angles were solved for.
+    pub layout_error: Option<f64>,
+    /// The length of its seams, in units of the mesh; those with itself on both sides count once.
+    pub seam_length: f64,
+    /// How many flattenings it took to find its seams; 0 where there was nothing to find.
+    pub rounds: usize,
+    /// How many holes were filled while it was flattened.
+    pub holes_filled: usize,
+    /// How many virtual faces that took.
+    pub virtual_faces: usize,
+}
+
+impl UnwrappedChart {
+    /// Whether this is what was asked for: valid UVs of a solver that ended as asked.
+    #[must_use]
+    pub fn is_certified(&self) -> bool {
+        self.metrics.valid() && self.termination.is_as_asked()
+    }
+}
+
+impl Unwrap {
+    /// Repairs, cuts and flattens a mesh.
+    ///
+    /// A mesh that is one clean disk comes back as one chart without seams, with the bits of [`Pipeline::run`]. Components
+    /// are worked on in parallel; the same input gives the same bits whatever the thread count. A time limit of the
+    /// pipeline is one for each flattening.
+    ///
+    /// # Errors
+    /// [`UnwrapError`] when there are no faces to work with, a setting or a hint does not fit, a strict run would have to
+    /// repair, or a chart has no usable result at all.
+    pub fn run(
+        &self,
+        mesh: &TriMesh,
+        hints: &SurfaceHints<'_>,
+        observer: &mut (dyn Observer + Send),
+    ) -> Result<Unwrapped, UnwrapError> {
+        self.check()?;
+        hints.check(mesh)?;
+        let in_range = mesh.in_range();
+        let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
+        let repaired = repair(working)?;
+        if self.strict {
+            error::refuse_repairs(&repaired.report)?;
+        }
+        let kept = self.kept_seams(&repaired, hints);
+        let parts = split(&repaired.mesh, &repaired.topology, &kept).map_err(FlattenError::from)?;
+        let relay = Relay::new(observer);
+        let finish = |part: &Chart| -> Result<Finished, UnwrapError> {
+            let is_forbidden = |c: CornerId| {
+                let corner = part.faces[c.face().index()].corner(c.place());
+                hints.is_forbidden(repaired.input_corner(corner))
+            };
+            let component = Component { settings: self, part, is_forbidden: &is_forbidden };
+            let first = repaired.faces[part.faces[0].index()];
+            component.run(&mut relay.ear()).map_err(|source| UnwrapError::Chart { first, source })
+        };
+        let finished: Result<Vec<_>, _> = parts.par_iter().map(finish).collect();
+        Ok(assemble::unwrapped(mesh, &repaired, &parts, finished?, scale, self.pipeline.precision))
+    }
+
+    /// The seams to begin with.
+    fn kept_seams(&self, repaired: &abf_cut::Repaired, hints: &SurfaceHints<'_>) -> Seams {
+        let topology = &repaired.topology;
+        let mut seams = Seams::none(topology);
+        if self.seams == SeamRule::Auto {
+            return seams;
+        }
+        let mut keep = |borders: Seams| borders.edges(topology).for_each(|c| seams.insert(topology, c));
+        if let Some(uv) = hints.uv {
+            let of_corner = |c| uv.corners()[repaired.input_corner(c).index()];
+            keep(uv_borders(topology, &topology.corners().map(of_corner).collect::<Vec<_>>()));
+        }
+        if let Some(labels) = hints.face_labels {
+            let of_face = |f: &FaceId| labels[f.index()];
+            keep(label_borders(topology, &repaired.faces.iter().map(of_face).collect::<Vec<_>>()));
+        }
+        seams
+    }
+
+    fn check(&self) -> Result<(), UnwrapError> {
+        let wrong = |name, allowed, value| Err(UnwrapError::Setting { name, allowed, value });
+        if !(self.max_stretch >= 1.0) {
+            return wrong("max_stretch", "at least 1", self.max_stretch);
+        }
+        if let Some(limit) = self.max_seam.filter(|limit| !(*limit >= 0.0)) {
+            return wrong("max_seam", "at least 0", limit);
+        }
+        if !(self.spacing >= 0.0) {
+            return wrong("spacing", "at least 0", self.spacing);
+        }
+        if self.terminals == 0 {
+            return wrong("terminals", "at least 1", 0.0);
+        }
+        for (name, value) in [("costs.crease", self.costs.crease), ("costs.hidden", self.costs.hidden)] {
+            if !(0.0..1.0).contains(&value) {
+                return wrong(name, "in [0, 1)", value);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for SeamRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::Keep => "keep",
+        })
+    }
+}
+
+impl FromStr for SeamRule {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "auto" => Ok(Self::Auto),
+            "keep" => Ok(Self::Keep),
+            _ => Err(format!("'{s}' is no rule for seams; there are: auto, keep")),
+        }
+    }
+}
+
+impl fmt::Display for HoleRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fill(filling) if *filling == HoleFilling::default() => f.write_str("fill"),
+            Self::Fill(filling) => write!(f, "fill-{filling}"),
+            Self::Cut => f.write_str("cut"),
+            Self::Free => f.write_str("free"),
+        }
+    }
+}
+
+impl FromStr for HoleRule {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "fill" => Ok(Self::default()),
+            "fill-fan" => Ok(Self::Fill(HoleFilling::Fan)),
+            "fill-ears" => Ok(Self::Fill(HoleFilling::Ears)),
+            "cut" => Ok(Self::Cut),
+            "free" => Ok(Self::Free),
+            _ => Err(format!("'{s}' is nothing to do with holes; there are: fill, fill-fan, fill-ears, cut, free")),
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! A seam that reaches further.
+
+use crate::paths::{Front, Joined};
+use crate::seams::ends;
+use crate::{EdgeCosts, Seams};
+use abf_mesh::{Topology, VertexId};
+
+/// Joins vertices to the seam by a Steiner tree of at most twice the least cost (Mehlhorn 1988), and says how many edges
+/// that took.
+///
+/// What was a disk stays one. The boundary counts as seam. A terminal to which no way of finite cost leads is left out,
+/// and so are all where there is neither seam nor boundary.
+pub fn extend(topology: &Topology, costs: &EdgeCosts, seams: &mut Seams, terminals: &[VertexId]) -> usize {
+    let before = seams.len();
+    let on_seam = seams.edges(topology).flat_map(|c| ends(topology, c));
+    let on_boundary = topology.vertices().filter(|&v| topology.is_boundary(v));
+    let root = on_boundary.chain(on_seam).map(|v| (v, 0));
+    let labelled = (1..).zip(terminals).map(|(label, &v)| (v, label));
+    let front = Front::grow(topology, costs, root.chain(labelled));
+    let bridges = front.bridges(topology, costs, terminals.len() + 1);
+    let mut joined = Joined::new(terminals.len() + 1);
+    let labels_at = |c| ends(topology, c).map(|v| front.label(v).unwrap_or(0) as usize);
+    for [a, b] in bridges.iter().map(|&c| labels_at(c)) {
+        joined.unite(a, b);
+    }
+    for edge in bridges {
+        if joined.find(labels_at(edge)[0]) == joined.find(0) {
+            seams.insert(topology, edge);
+            for end in ends(topology, edge) {
+                front.trace(topology, end).for_each(|way| seams.insert(topology, way));
+            }
+        }
+    }
+    seams.len() - before
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_support::{octahedron, sheet, topology};
+    use crate::{CostSettings, open, split};
+
+    #[test]
+    fn terminals_are_joined_to_the_boundary_by_a_short_tree() {
+        let mesh = sheet(10, 10);
+        let topology = topology(&mesh);
+        let costs = EdgeCosts::new(&mesh, &topology, &CostSettings::LENGTH, |_| false);
+        let mut seams = Seams::none(&topology);
+        // Both at height 5, next but one to each other: five edges to the border and two between them.
+        let at = |i: usize, j: usize| VertexId::new(11 * i + j);
+        assert_eq!(extend(&topology, &costs, &mut seams, &[at(4, 5), at(6, 5)]), 6);
+        let charts = split(&mesh, &topology, &seams).expect("a chart");
+        charts[0].topology.require_disk().expect("a disk");
+        assert_eq!(extend(&topology, &costs, &mut seams, &[at(4, 5)]), 0);
+    }
+
+    #[test]
+    fn without_a_seam_to_join_there_is_nothing_to_do() {
+        let mesh = octahedron();
+        let topology = topology(&mesh);
+        let costs = EdgeCosts::new(&mesh, &topology, &CostSettings::LENGTH, |_| false);
+        let mut seams = Seams::none(&topology);
+        assert_eq!(extend(&topology, &costs, &mut seams, &[VertexId::new(0), VertexId::new(1)]), 0);
+        let mut seams = open(&topology, &costs);
+        extend(&topology, &costs, &mut seams, &topology.vertices().collect::<Vec<_>>());
+        let charts = split(&mesh, &topology, &seams).expect("a chart");
+        charts[0].topology.require_disk().expect("a disk");
+        assert_eq!(charts[0].mesh.vertex_count(), 2 * 5, "a tree of five edges, cut open");
+    }
+}

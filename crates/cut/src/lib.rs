@@ -1,0 +1,41 @@
+//! From any triangle mesh to disks: what angle-based flattening needs before it can begin.
+//!
+//! The way of a mesh, each step with a map back to where it came from:
+//!
+//! 1. [`repair`](repair()) makes an oriented manifold with boundary of it, and counts what that took;
+//! 2. [`split`] without seams takes its components apart;
+//! 3. [`fill`] closes holes by virtual faces, to be dropped after the layout;
+//! 4. [`open`] finds the least seam that makes a component a disk;
+//! 5. [`extend`] joins further vertices to the seam: those at which a flattening found the stretch too large;
+//! 6. [`split`] cuts along the seam, into [`Chart`]s.
+//!
+//! Nothing here solves for an angle or knows what stretch is. Seams prefer edges that are short, creased and hidden
+//! ([`EdgeCosts`]); every search is Dijkstra's (1959), so all of it takes time `O(n log n)`.
+//!
+//! | term | meaning |
+//! | --- | --- |
+//! | seam | an edge along which the surface is cut ([`Seams`]) |
+//! | chart | what is left in one piece between seams |
+//! | terminal | a vertex that a seam is to reach |
+//! | hole | a boundary loop other than the longest of its component |
+
+mod borders;
+mod chart;
+mod costs;
+mod extend;
+mod holes;
+mod open;
+mod paths;
+pub mod repair;
+mod seams;
+#[cfg(test)]
+mod test_support;
+
+pub use borders::{label_borders, uv_borders};
+pub use chart::{Chart, split};
+pub use costs::{CostSettings, EdgeCosts};
+pub use extend::extend;
+pub use holes::{Filled, HoleFilling, fill, loop_length, outer_loop};
+pub use open::open;
+pub use repair::{RepairError, RepairReport, Repaired, repair};
+pub use seams::Seams;

@@ -1,0 +1,174 @@
+use super::*;
+use crate::test_support::{mesh, moebius, octahedron, sheet, tetrahedron, torus};
+use crate::{Seams, split};
+use abf_mesh::Point3;
+use proptest::prelude::*;
+
+/// Repairs, and checks every law and every map back.
+fn repaired(input: &TriMesh) -> Repaired {
+    let result = repair(input).expect("faces");
+    result.topology.check().expect("lawful");
+    assert_eq!(result.mesh.face_count(), result.faces.len());
+    assert_eq!(result.mesh.face_count() + result.duplicates.len() + result.repeated.len(), input.face_count());
+    for (v, p) in result.vertices.iter().zip(result.mesh.positions()) {
+        assert_eq!(*p, input.positions()[v.index()]);
+    }
+    for c in result.topology.corners() {
+        let there = result.input_corner(c);
+        let in_input = input.faces()[there.face().index()][there.place()];
+        assert_eq!(result.vertices[result.topology.vertex(c).index()], in_input);
+    }
+    for (dropped, kept) in &result.duplicates {
+        let sorted = |f: &FaceId| {
+            let mut face = input.faces()[f.index()];
+            face.sort_unstable();
+            face
+        };
+        assert_eq!(sorted(dropped), sorted(kept));
+        assert!(result.faces.contains(kept));
+    }
+    assert_eq!(result, repair(input).expect("faces"), "the same again");
+    result
+}
+
+fn components(r: &Repaired) -> Vec<crate::Chart> {
+    split(&r.mesh, &r.topology, &Seams::none(&r.topology)).expect("charts")
+}
+
+/// Meshes side by side, in one list.
+fn welded(parts: &[(&TriMesh, &dyn Fn(usize) -> usize)], points: Vec<[f64; 3]>) -> TriMesh {
+    let faces: Vec<[usize; 3]> =
+        parts.iter().flat_map(|(part, at)| part.faces().iter().map(move |f| f.map(|v| at(v.index())))).collect();
+    mesh(&points, &faces)
+}
+
+fn points(mesh: &TriMesh) -> Vec<[f64; 3]> {
+    mesh.positions().iter().map(|p| [p.x, p.y, p.z]).collect()
+}
+
+#[test]
+fn a_manifold_comes_back_as_it_is() {
+    for input in [sheet(3, 4), torus(5, 5), tetrahedron()] {
+        let result = repaired(&input);
+        assert_eq!(result.mesh, input);
+        assert!(result.report.is_clean());
+        assert_eq!(result.report.sentences(), [""; 0]);
+        assert!(result.turned.iter().all(|t| !t));
+    }
+}
+
+#[test]
+fn two_tetrahedra_that_share_an_edge_are_two_again() {
+    let one = tetrahedron();
+    let mut all = points(&one);
+    all.extend([[-1.0, 0.2, 0.1], [-1.0, 0.1, 0.9]]);
+    // The second has vertices 0 and 3 of the first, and two of its own.
+    let two = welded(&[(&one, &|v| v), (&one, &|v| [3, 4, 5, 0][v])], all);
+    let result = repaired(&two);
+    assert_eq!(result.report.non_manifold_edges.count, 1);
+    assert_eq!(result.report.split_vertices, Found { count: 2, first: Some(0) });
+    let parts = components(&result);
+    assert_eq!(parts.len(), 2);
+    assert!(parts.iter().all(|part| part.topology.euler_characteristic() == 2));
+}
+
+#[test]
+fn two_tetrahedra_that_share_a_vertex_are_two_again() {
+    let one = tetrahedron();
+    let mut all = points(&one);
+    all.extend([[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]]);
+    let two = welded(&[(&one, &|v| v), (&one, &|v| if v == 0 { 0 } else { v + 3 })], all);
+    let result = repaired(&two);
+    assert_eq!(result.report.split_vertices, Found { count: 1, first: Some(0) });
+    assert_eq!(result.vertices[7], VertexId::new(0));
+    assert_eq!(components(&result).len(), 2);
+    assert_eq!(result.report.sentences(), ["1 vertex split (the first at 0)"]);
+}
+
+#[test]
+fn a_page_on_a_sheet_is_taken_off_and_the_sheet_stays_whole() {
+    let flat = sheet(4, 4);
+    let mut all = points(&flat);
+    let first = all.len();
+    // A wall on the line i = 2.
+    all.extend((0..5).map(|j| [2.0, j as f64, 1.0]));
+    let mut faces: Vec<[usize; 3]> = flat.faces().iter().map(|f| f.map(VertexId::index)).collect();
+    for j in 0..4 {
+        faces.push([10 + j, 11 + j, first + j + 1]);
+        faces.push([10 + j, first + j + 1, first + j]);
+    }
+    let result = repaired(&mesh(&all, &faces));
+    assert_eq!(result.report.non_manifold_edges.count, 4);
+    let parts = components(&result);
+    assert_eq!(parts.iter().map(|p| p.faces.len()).collect::<Vec<_>>(), [32, 8]);
+    parts.iter().for_each(|p| p.topology.require_disk().expect("a disk"));
+}
+
+#[test]
+fn faces_turned_the_wrong_way_are_turned_with_the_majority() {
+    let mut faces: Vec<[usize; 3]> = octahedron().faces().iter().map(|f| f.map(VertexId::index)).collect();
+    faces[3].swap(0, 1);
+    faces[6].swap(1, 2);
+    let result = repaired(&mesh(&points(&octahedron()), &faces));
+    assert_eq!(result.report.turned_faces, Found { count: 2, first: Some(3) });
+    assert_eq!(result.turned.iter().filter(|t| **t).count(), 2);
+    assert_eq!(result.topology.euler_characteristic(), 2);
+    assert_eq!(result.report.first_change().as_deref(), Some("2 faces turned around (the first at 3)"));
+}
+
+#[test]
+fn duplicates_and_faces_with_a_repeated_vertex_are_dropped() {
+    let flat = sheet(2, 2);
+    let mut faces: Vec<[usize; 3]> = flat.faces().iter().map(|f| f.map(VertexId::index)).collect();
+    let [a, b, c] = faces[1];
+    faces.insert(5, [b, c, a]);
+    faces.push([c, b, a]);
+    faces.push([0, 0, 1]);
+    let result = repaired(&mesh(&points(&flat), &faces));
+    assert_eq!(result.duplicates, [(5, 1), (9, 1)].map(|(d, k)| (FaceId::new(d), FaceId::new(k))));
+    assert_eq!(result.repeated, [FaceId::new(10)]);
+    assert_eq!(result.mesh.faces(), flat.faces());
+    assert!(!result.report.is_clean());
+}
+
+#[test]
+fn a_one_sided_band_is_cut_across() {
+    let result = repaired(&moebius(12));
+    assert!(result.report.one_sided_cuts.count >= 2);
+    let parts = components(&result);
+    assert_eq!(parts.len(), 1);
+    parts[0].topology.require_disk().expect("a disk");
+}
+
+#[test]
+fn a_closed_one_sided_surface_is_cut_open() {
+    // A Klein bottle: a torus whose last column meets the first upside down.
+    let (m, n) = (7, 6);
+    let at = |i: usize, j: usize| if i < m { i * n + j % n } else { (n - j % n) % n };
+    let square = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+    let faces: Vec<_> = (0..m).flat_map(|i| (0..n).map(move |j| (i, j))).flat_map(square).collect();
+    let result = repaired(&mesh(&points(&torus(m, n)), &faces));
+    assert!(result.report.one_sided_cuts.count > 0);
+    assert!(result.topology.boundary_edge_count() > 0);
+}
+
+#[test]
+fn nothing_to_work_with_is_said() {
+    let e = repair(&mesh(&[[0.0; 3]], &[[0, 0, 0]])).unwrap_err();
+    assert_eq!(e.to_string(), "the mesh has no face with three different vertices (1 faces in all)");
+    let bad = TriMesh::new(vec![Point3::new(f64::NAN, 0.0, 0.0); 3], &[[0, 1, 2]]).expect("indices in range");
+    assert!(matches!(repair(&bad), Err(RepairError::Geometry(_))));
+}
+
+proptest! {
+    #[test]
+    fn any_faces_at_all_become_a_manifold(
+        faces in prop::collection::vec([0..9_usize, 0..9, 0..9], 1..60),
+        places in prop::collection::vec([-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], 9),
+    ) {
+        let input = mesh(&places, &faces);
+        if repair(&input).is_ok() {
+            repaired(&input);
+        }
+    }
+}
