@@ -3,5 +3,6 @@
 mod broken;
 mod common;
 mod damage;
+mod gltf;
 mod oracle;
 mod round_trip;
