@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use super::builder::{Builder, U16, sheet};
-use super::kinds::{self, strip};
+use super::kinds::{skinned, strip};
 use super::{document, kinds, layout};
 
 /// One triangle, changed.
@@ -176,7 +176,7 @@ fn a_set_that_is_there_or_would_leave_a_gap_is_refused() {
 
 #[test]
 fn an_attribute_that_cannot_be_copied_is_named_and_nothing_is_changed() {
-    let mut builder = kinds::skinned();
+    let mut builder = skinned();
     builder.json["accessors"][2]["count"] = 3.into();
     let mut document = document(&builder.glb());
     let before = document.json().clone();
