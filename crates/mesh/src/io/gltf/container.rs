@@ -109,6 +109,13 @@ pub(super) fn data(uri: &str) -> Option<Vec<u8>> {
     Some(percent_decoded(content))
 }
 
+/// Bytes as a data URI.
+pub(super) fn data_uri(bytes: &[u8]) -> String {
+    let mut out = "data:application/octet-stream;base64,".to_owned();
+    base64::engine::general_purpose::STANDARD.encode_string(bytes, &mut out);
+    out
+}
+
 /// The name of a file that a URI means, relative to the document; `None` for anything that is no relative name.
 pub(super) fn file_name(uri: &str) -> Option<String> {
     let scheme = uri.split(['/', '?', '#']).next().is_some_and(|first| first.contains(':'));
@@ -164,6 +171,7 @@ mod tests {
         for uri in ["data:a/b;base64,AQI=", "data:a/b;base64,AQI", "data:,%01%02"] {
             assert_eq!(data(uri), Some(vec![1, 2]), "{uri}");
         }
+        assert_eq!(data(&data_uri(&[0, 255, 7, 9])), Some(vec![0, 255, 7, 9]));
         assert_eq!(data("data:a/b;base64,*"), None);
         assert_eq!(data("data:nothing"), None);
         assert!(!is_data("däta:"));

@@ -184,7 +184,9 @@ impl GltfDocument {
         names.push((new, uv_accessor));
         let mut edits = Vec::new();
         for (target, triangles) in group.iter().zip(&split.triangles) {
-            let changed = *triangles != target.primitive.triangles;
+            // Without indices a primitive is all its vertices, of which there may be more now.
+            let all_vertices = !target.found.item.fields().contains_key("indices");
+            let changed = *triangles != target.primitive.triangles || (all_vertices && !split.added.is_empty());
             let indices = changed.then(|| self.new_indices(target, triangles, vertices, appended)).transpose()?;
             edits.push(Edit {
                 mesh: target.found.mesh,

@@ -15,8 +15,9 @@ impl GltfDocument {
     /// Writes the document; the extension of the path (`glb` or `gltf`, in whatever case) says as what.
     ///
     /// A `.glb` holds all buffers. A `.gltf` names the files that its original named, and images are named in both cases:
-    /// none is copied, and relative names are changed where the folder is another. Data without a file of its own goes
-    /// to `.bin` beside a `.gltf`, under the same name. Files appear when they are complete.
+    /// none is copied, and relative names are changed where the folder is another. Data without a place of its own goes
+    /// to `.bin` beside a `.gltf`, under the same name, or to a data URI where all other buffers are such. Files appear when
+    /// they are complete.
     ///
     /// # Errors
     /// A [`WriteError`].
@@ -33,12 +34,18 @@ impl GltfDocument {
             }
             Some(MeshFormat::Gltf) => {
                 if let Some(own) = self.buffers.iter().position(|buffer| buffer.origin == Origin::Own) {
-                    let name = free_name(&json, path);
-                    if let Some(Value::Object(buffer)) = array(&mut json, "buffers").get_mut(own) {
-                        buffer.insert("uri".to_owned(), container::uri_of(&name).into());
-                    }
                     let bytes = &self.buffers[own].bytes;
-                    replace(&folder_of(path).join(name), |out| out.write_all(bytes)).map_err(failed)?;
+                    let within = self.buffers.iter().all(|buffer| buffer.origin != Origin::File);
+                    let uri = if within && self.buffers.len() > 1 {
+                        container::data_uri(bytes)
+                    } else {
+                        let name = free_name(&json, path);
+                        replace(&folder_of(path).join(&name), |out| out.write_all(bytes)).map_err(failed)?;
+                        container::uri_of(&name)
+                    };
+                    if let Some(Value::Object(buffer)) = array(&mut json, "buffers").get_mut(own) {
+                        buffer.insert("uri".to_owned(), uri.into());
+                    }
                 }
                 let text = if self.in_lines { serde_json::to_vec_pretty(&json) } else { serde_json::to_vec(&json) };
                 let text = text.map_err(|cause| failed(cause.into()))?;

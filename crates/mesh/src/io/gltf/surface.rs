@@ -243,12 +243,16 @@ impl GltfDocument {
             let accessor = self.accessor(attributes.required(&name)?, (attributes, &name))?;
             accessor.expect_vectors(2)?;
             check_count(&accessor, primitive.positions.len())?;
+            // A vertex of a primitive has one UV, whichever corner asks.
+            let mut ids = vec![None; primitive.positions.len()];
             for (&v, &welded) in primitive.triangles.as_flattened().iter().zip(&mut vertices) {
-                let [u, t] = accessor.numbers::<2>(v as usize);
-                let uv = Point2::new(u, 1.0 - t);
-                let id = known.entry((welded, [uv.x.to_bits(), uv.y.to_bits()])).or_insert_with(|| {
-                    points.push(uv);
-                    UvId::new(points.len() - 1)
+                let id = ids[v as usize].get_or_insert_with(|| {
+                    let [u, t] = accessor.numbers::<2>(v as usize);
+                    let uv = Point2::new(u, 1.0 - t);
+                    *known.entry((welded, [uv.x.to_bits(), uv.y.to_bits()])).or_insert_with(|| {
+                        points.push(uv);
+                        UvId::new(points.len() - 1)
+                    })
                 });
                 corners.push(*id);
             }

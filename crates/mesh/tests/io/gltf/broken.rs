@@ -14,7 +14,7 @@ fn changed(change: impl FnOnce(&mut Value)) -> Vec<u8> {
     let sheet = sheet(1, 1);
     let position = builder.positions(&sheet.positions);
     let indices = builder.indices(sheet.triangles.as_flattened(), U16);
-    builder.mesh(json!([{"attributes": {"POSITION": position}, "indices": indices}]));
+    builder.mesh(&json!([{"attributes": {"POSITION": position}, "indices": indices}]));
     change(&mut builder.json);
     builder.glb()
 }

@@ -144,7 +144,7 @@ impl Builder {
         self.accessor(json!({"bufferView": view, "name": "indices"}), component, "SCALAR", list.len())
     }
 
-    pub(crate) fn mesh(&mut self, primitives: Value) -> usize {
+    pub(crate) fn mesh(&mut self, primitives: &Value) -> usize {
         self.push("meshes", json!({"name": "mesh", "primitives": primitives}))
     }
 

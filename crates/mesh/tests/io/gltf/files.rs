@@ -92,6 +92,19 @@ fn a_document_in_lines_stays_in_lines() {
 }
 
 #[test]
+fn a_document_with_everything_inside_stays_one_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut document = document(&extended().with_data());
+    let surface = document.surface().expect("a surface");
+    document.set_uvs(&layout(&surface, true), GltfTexcoords::default()).expect("set");
+    document.write(&folder.path().join("a.gltf")).expect("written");
+    assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
+    let again = GltfDocument::read(&folder.path().join("a.gltf")).expect("readable");
+    assert_eq!(again.json()["buffers"].as_array().map(Vec::len), Some(2));
+    assert_eq!(again.surface().expect("a surface").mesh, surface.mesh);
+}
+
+#[test]
 fn a_missing_buffer_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = with_file(folder.path());

@@ -234,6 +234,17 @@ fn primitives_that_share_their_vertices_go_on_sharing_them() {
 }
 
 #[test]
+fn a_primitive_without_indices_gets_some_when_its_vertices_become_more() {
+    // Found by damaging files: another primitive split the vertices that both have.
+    let mut builder = super::kinds::shared();
+    builder.json["meshes"][0]["primitives"][0].as_object_mut().expect("it").remove("indices");
+    let bytes = builder.glb();
+    let (after, remap) = check("without indices", &bytes, true, GltfTexcoords::default());
+    assert!(remap.vertices_added > 0);
+    assert!(after.json()["meshes"][0]["primitives"][0]["indices"].is_u64());
+}
+
+#[test]
 fn meshes_are_not_welded_with_each_other_but_primitives_of_one_are() {
     let faces = |kind: &str| {
         let (_, bytes) = kinds().into_iter().find(|(name, _)| *name == kind).expect("the kind");

@@ -36,7 +36,7 @@ fn textured(component: u32) -> Vec<u8> {
     let mut attributes = base(&mut builder, &sheet);
     attributes["TEXCOORD_0"] = builder.attribute(&sheet.uvs()).into();
     let indices = builder.indices(sheet.triangles.as_flattened(), component);
-    builder.mesh(json!([{"attributes": attributes, "indices": indices}]));
+    builder.mesh(&json!([{"attributes": attributes, "indices": indices}]));
     builder.glb()
 }
 
@@ -50,7 +50,7 @@ pub(crate) fn skinned() -> Builder {
         (0..count).map(|i| if i % 2 == 1 { [0.75, 0.25, 0.0, 0.0] } else { [1.0, 0.0, 0.0, 0.0] }).collect();
     attributes["WEIGHTS_0"] = builder.attribute(&weights).into();
     let indices = builder.indices(sheet.triangles.as_flattened(), U16);
-    builder.mesh(json!([{"attributes": attributes, "indices": indices}]));
+    builder.mesh(&json!([{"attributes": attributes, "indices": indices}]));
     let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0_f32]];
     let view = builder.view(&floats(&[identity, identity].concat()), None, None);
     let matrices = builder.accessor(json!({"bufferView": view}), F32, "MAT4", 2);
@@ -84,7 +84,7 @@ pub(crate) fn morphed() -> Builder {
     };
     let targets = [target(0.5), target(-0.25)];
     let indices = builder.indices(sheet.triangles.as_flattened(), U16);
-    builder.mesh(json!([{"attributes": attributes, "indices": indices, "targets": targets}]));
+    builder.mesh(&json!([{"attributes": attributes, "indices": indices, "targets": targets}]));
     builder.json["meshes"][0]["weights"] = json!([0.0, 0.5]);
     animate(&mut builder, 0, "weights", &[[0.0, 1.0], [1.0, 0.25]]);
     builder
@@ -109,7 +109,7 @@ pub(crate) fn interleaved() -> Builder {
     let color = builder.accessor(color, U8, "VEC4", count);
     let indices = builder.indices(sheet.triangles.as_flattened(), U16);
     let attributes = json!({"POSITION": position, "NORMAL": normal, "COLOR_0": color});
-    builder.mesh(json!([{"attributes": attributes, "indices": indices}]));
+    builder.mesh(&json!([{"attributes": attributes, "indices": indices}]));
     builder
 }
 
@@ -133,7 +133,7 @@ pub(crate) fn sparse() -> Builder {
     let target = builder.accessor(json!({"sparse": sparse}), F32, "VEC3", count);
     builder.bounds(target, &[values[0], values[1], [0.0; 3]]);
     let indices = builder.indices(sheet.triangles.as_flattened(), U16);
-    builder.mesh(json!([{
+    builder.mesh(&json!([{
         "attributes": {"POSITION": position}, "indices": indices, "targets": [{"POSITION": target}],
     }]));
     builder
@@ -145,7 +145,7 @@ pub(crate) fn narrow() -> Builder {
     assert_eq!(sheet.positions.len(), 255);
     let attributes = base(&mut builder, &sheet);
     let indices = builder.indices(sheet.triangles.as_flattened(), U8);
-    builder.mesh(json!([{"attributes": attributes, "indices": indices}]));
+    builder.mesh(&json!([{"attributes": attributes, "indices": indices}]));
     builder
 }
 
@@ -173,7 +173,7 @@ pub(crate) fn primitives() -> Builder {
     let corners = builder.positions(&sheet.positions[..6]);
     list.insert(1, json!({"attributes": {"POSITION": corners}, "mode": 1}));
     list.push(json!({"attributes": {"POSITION": corners}, "mode": 0}));
-    builder.mesh(json!(list));
+    builder.mesh(&json!(list));
     builder.json["materials"] = json!([{"name": "red"}, {"name": "blue", "doubleSided": true}]);
     builder
 }
@@ -186,12 +186,12 @@ pub(crate) fn shared() -> Builder {
     let mut colored = attributes.clone();
     colored["COLOR_0"] = builder.attribute(&colors).into();
     let thirds: Vec<usize> = sheet.triangles.chunks(12).map(|part| builder.indices(part.as_flattened(), U16)).collect();
-    builder.mesh(json!([
+    builder.mesh(&json!([
         {"attributes": attributes, "indices": thirds[0]},
         {"attributes": colored, "indices": thirds[1]},
         {"attributes": attributes, "indices": thirds[2]},
     ]));
-    builder.mesh(json!([{"attributes": attributes, "indices": thirds[2]}]));
+    builder.mesh(&json!([{"attributes": attributes, "indices": thirds[2]}]));
     builder.json["nodes"] = json!([{"mesh": 0, "children": [1, 2]}, {"mesh": 1}, {"mesh": 0}]);
     builder
 }
@@ -208,7 +208,7 @@ pub(crate) fn strip(mode: u32) -> Builder {
         (0..5).for_each(|x| list.extend([5 * row + x, 5 * (row + 1) + x]));
     }
     let indices = builder.indices(&list, U16);
-    builder.mesh(json!([{"attributes": attributes, "indices": indices, "mode": mode}]));
+    builder.mesh(&json!([{"attributes": attributes, "indices": indices, "mode": mode}]));
     builder
 }
 
@@ -220,7 +220,7 @@ pub(crate) fn fan() -> Builder {
     };
     let positions: Vec<[f32; 3]> = std::iter::once([0.0; 3]).chain((0..6).map(rim)).collect();
     let position = builder.positions(&positions);
-    builder.mesh(json!([{"attributes": {"POSITION": position}, "mode": 6}]));
+    builder.mesh(&json!([{"attributes": {"POSITION": position}, "mode": 6}]));
     builder
 }
 
@@ -230,7 +230,7 @@ pub(crate) fn soup() -> Builder {
     let positions: Vec<[f32; 3]> =
         sheet.triangles.as_flattened().iter().map(|&v| sheet.positions[v as usize]).collect();
     let position = builder.positions(&positions);
-    builder.mesh(json!([{"attributes": {"POSITION": position}}]));
+    builder.mesh(&json!([{"attributes": {"POSITION": position}}]));
     builder
 }
 
@@ -253,7 +253,7 @@ pub(crate) fn quantized() -> Builder {
     let normals: Vec<u8> = sheet.positions.iter().flat_map(|_| [0, 0, 127, 0]).collect();
     let normal = builder.raw(&normals, 4, I8, "VEC3", true);
     let indices = builder.indices(sheet.triangles.as_flattened(), U16);
-    builder.mesh(json!([{"attributes": {"POSITION": position, "NORMAL": normal}, "indices": indices}]));
+    builder.mesh(&json!([{"attributes": {"POSITION": position, "NORMAL": normal}, "indices": indices}]));
     builder.json["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
     builder.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
     builder
@@ -270,7 +270,7 @@ pub(crate) fn extended() -> Builder {
     let heat: Vec<u8> = (0..count).flat_map(|i| [i as u8, 0, 0, 0]).collect();
     attributes["_HEAT"] = builder.raw(&heat, 4, U8, "SCALAR", false).into();
     let indices = builder.indices(sheet.triangles.as_flattened(), U16);
-    builder.mesh(json!([{
+    builder.mesh(&json!([{
         "extras": {"z": 1, "a": [true, null], "big": 12_345_678_901_234_567_890_u64},
         "extensions": {"VENDOR_unknown": {"zebra": 0.1, "ape": -1.5e-9}},
         "indices": indices,
@@ -292,7 +292,7 @@ pub(crate) fn meshes() -> Builder {
     for _ in 0..2 {
         let attributes = base(&mut builder, &sheet);
         let indices = builder.indices(sheet.triangles.as_flattened(), U16);
-        builder.mesh(json!([{"attributes": attributes, "indices": indices}]));
+        builder.mesh(&json!([{"attributes": attributes, "indices": indices}]));
     }
     builder.json["nodes"] =
         json!([{"mesh": 0, "children": [1, 2]}, {"mesh": 1}, {"mesh": 0, "scale": [2.0, 2.0, 2.0]}]);
