@@ -3,8 +3,11 @@
 
 mod mesh;
 
-use abf::mesh::TriMesh;
-use abf::mesh::io::{MeshFile, MeshFormat, parse, parse_materials, write_obj, write_ply};
+use abf::mesh::io::{
+    GltfDocument, GltfTexcoords, MeshFile, MeshFormat, ObjDocument, parse, parse_materials, stored_uv, write_obj,
+    write_ply,
+};
+use abf::mesh::{Point2, TriMesh, UvId, UvMap};
 use abf::{FlattenError, Pipeline, Precision, Silent, StopCriteria};
 use robust::{Coord, orient2d};
 use std::path::Path;
@@ -42,6 +45,51 @@ pub fn read(format: MeshFormat, bytes: &[u8]) {
 /// If the reader does.
 pub fn read_materials(bytes: &[u8]) {
     let _ = parse_materials(Path::new("fuzz.mtl"), bytes);
+}
+
+/// A map in which neighbouring triangles are joined or not, as the first bytes of the file have it.
+fn some_map(mesh: &TriMesh, bytes: &[u8]) -> UvMap {
+    let chart = |face: usize| usize::from(bytes[face % bytes.len()] & 1);
+    let corners = mesh.faces().iter().enumerate();
+    let corners = corners.flat_map(|(face, vertices)| vertices.map(|v| UvId::new(2 * v.index() + chart(face))));
+    let points = (0..2 * mesh.vertex_count()).map(|i| Point2::new(i as f64 / 7.0, 1.0 / (1.0 + i as f64)));
+    UvMap::new(points.collect(), corners.collect())
+}
+
+/// Reads a glTF document. What can be read gets UVs, is packed and read again as the same surface with those UVs.
+///
+/// # Panics
+/// If anything does, or if something else is read the second time.
+pub fn edit_gltf(bytes: &[u8]) {
+    let no_files = |_: &str, _: usize| Err(std::io::ErrorKind::NotFound.into());
+    let Ok(mut document) = GltfDocument::parse("fuzz", bytes, &mut { no_files }) else { return };
+    let Ok(surface) = document.surface() else { return };
+    let uv = some_map(&surface.mesh, bytes);
+    let overwrite = bytes.len() % 2 == 0;
+    let Ok(remap) = document.set_uvs(&uv, GltfTexcoords { set: None, overwrite }) else { return };
+    let packed = document.to_glb().expect("less than 4 GiB");
+    let again = GltfDocument::parse("again", &packed, &mut { no_files }).expect("what is written can be read");
+    let again = again.surface_with_set(remap.set).expect("what is written can be read");
+    assert_eq!(again.mesh, surface.mesh);
+    let read = again.uv.expect("the map that was written");
+    assert!(read.triangles().eq(uv.mapped(stored_uv).triangles()), "the UVs");
+}
+
+/// Reads an OBJ. What can be read is written with other UVs and read again as the same mesh with those.
+///
+/// # Panics
+/// If anything does, or if something else is read the second time.
+pub fn keep_obj(bytes: &[u8]) {
+    let Ok(document) = ObjDocument::parse("fuzz", bytes.to_vec()) else { return };
+    let MeshFile { mesh, notes, .. } = document.file();
+    let uv = some_map(mesh, bytes);
+    let mut text = Vec::new();
+    let written = document.write_to(&mut text, &uv).expect("memory is writable");
+    let again = parse(MeshFormat::Obj, "again", &text).expect("what is written can be read");
+    assert_eq!(&again.mesh, mesh);
+    assert_eq!(again.notes.polygons_fanned + written.polygons_split, notes.polygons_fanned);
+    assert_eq!(again.notes.ignored, notes.ignored);
+    assert!(again.uv.expect("the map that was written").triangles().eq(uv.triangles()), "the UVs");
 }
 
 /// Flattens a small mesh. Whatever the result is, it is said truthfully.

@@ -225,6 +225,50 @@ pub enum ReadError {
         /// How many bytes follow the header.
         present: usize,
     },
+    /// A text that is no JSON.
+    #[error("{file}: not JSON: {cause}")]
+    Json {
+        /// The file.
+        file: String,
+        /// What the parser says, with line and column.
+        cause: serde_json::Error,
+    },
+    /// Something in a glTF document that is wrong or missing.
+    #[error("{file}, {path}: {reason}")]
+    Document {
+        /// The file.
+        file: String,
+        /// Where in the document, such as `meshes[0].primitives[1].indices`.
+        path: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A buffer of a glTF document that cannot be read.
+    #[error(
+        "{file}, {path}: the buffer `{uri}` cannot be read: {cause}; its name counts from the folder of the document"
+    )]
+    Buffer {
+        /// The document.
+        file: String,
+        /// Where in the document it is named.
+        path: String,
+        /// Its name.
+        uri: String,
+        /// What the system says.
+        cause: io::Error,
+    },
+    /// Geometry in a form that only a decoder of its own can read.
+    #[error(
+        "{file}, {path}: geometry compressed with {extension} is not read; save the model again without compression"
+    )]
+    Compressed {
+        /// The file.
+        file: String,
+        /// Where in the document.
+        path: String,
+        /// The extension of glTF.
+        extension: &'static str,
+    },
     /// More elements than 32-bit ids can name.
     #[error("{file}: {count} {what} are more than 32-bit indices can name")]
     TooLarge {

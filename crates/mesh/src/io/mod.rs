@@ -2,12 +2,16 @@
 //!
 //! | format | read | written |
 //! | --- | --- | --- |
+//! | glTF (`.gltf`, `.glb`) | all primitives of triangles, vertices welded by exact position, `TEXCOORD_0` | yes, in 32 bits |
 //! | OBJ | polygons, negative indices, UVs per corner | yes |
 //! | OFF | text, with normals, colours or UVs per vertex | no |
 //! | PLY | text and both binary byte orders, UVs per vertex or per corner | binary, little endian |
 //! | STL | text and binary, vertices welded by exact position | no |
 //!
-//! A reader keeps every vertex, in the order of the file, and every face; it judges neither
+//! Two formats can be written as they were, with everything a mesh has no place for, and new UVs: [`GltfDocument`],
+//! [`ObjDocument`].
+//!
+//! A reader keeps every vertex (but glTF those that a triangle uses), in the order of the file, and every face; it judges neither
 //! topology nor shape. Polygons are cut into fans from their first corner. Reading never repairs
 //! silently: whatever was done or left alone is counted in the [`ReadNotes`] next to the mesh.
 //! Whatever cannot be read is a [`ReadError`] that names the file and the line or byte; no input
@@ -15,6 +19,7 @@
 
 mod error;
 mod gather;
+mod gltf;
 mod materials;
 mod notes;
 mod obj;
@@ -29,8 +34,12 @@ use std::path::Path;
 use std::str::FromStr;
 
 pub use error::{Location, Place, ReadError};
+pub use gltf::{
+    BufferSource, GltfDocument, GltfPrimitive, GltfRemap, GltfSurface, GltfTexcoords, PrimitiveRemap, stored_uv,
+};
 pub use materials::{Material, MaterialNote, Materials, load_materials, parse_materials};
 pub use notes::{ReadNotes, UvDropped};
+pub use obj::{Labels, ObjDocument, ObjWritten};
 pub use write::{WriteError, check_replaceable, replace, write, write_obj, write_ply};
 
 use crate::{TriMesh, UvMap};
@@ -39,6 +48,10 @@ use crate::{TriMesh, UvMap};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum MeshFormat {
+    /// glTF 2.0, binary.
+    Glb,
+    /// glTF 2.0, JSON with buffers beside it or within.
+    Gltf,
     /// Wavefront OBJ, text.
     Obj,
     /// Object File Format of Geomview, text.
@@ -59,12 +72,14 @@ pub struct UnknownFormat(
 
 impl MeshFormat {
     /// Every format, in alphabetical order.
-    pub const ALL: [Self; 4] = [Self::Obj, Self::Off, Self::Ply, Self::Stl];
+    pub const ALL: [Self; 6] = [Self::Glb, Self::Gltf, Self::Obj, Self::Off, Self::Ply, Self::Stl];
 
     /// The extension of its files, which is also the name that [`FromStr`] takes.
     #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
+            Self::Glb => "glb",
+            Self::Gltf => "gltf",
             Self::Obj => "obj",
             Self::Off => "off",
             Self::Ply => "ply",
@@ -116,13 +131,17 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
     let Some(format) = MeshFormat::from_path(path) else {
         return Err(ReadError::UnknownExtension { file, known: MeshFormat::known() });
     };
+    if matches!(format, MeshFormat::Glb | MeshFormat::Gltf) {
+        return gltf::read(path);
+    }
     match std::fs::read(path) {
         Ok(bytes) => parse(format, &file, &bytes),
         Err(cause) => Err(ReadError::Open { file, cause }),
     }
 }
 
-/// Reads a mesh from the bytes of a file. The name serves the error messages only.
+/// Reads a mesh from the bytes of a file. The name serves the error messages only. A `.gltf` whose buffers are files
+/// needs [`read`], or [`GltfDocument::parse`].
 ///
 /// # Errors
 /// A [`ReadError`] with the place in the file.
@@ -137,6 +156,7 @@ pub fn parse(format: MeshFormat, name: &str, bytes: &[u8]) -> Result<MeshFile, R
         return Err(ReadError::Unsupported { at, feature: "UTF-16 text".to_owned() });
     }
     match format {
+        MeshFormat::Glb | MeshFormat::Gltf => gltf::parse(name, bytes),
         MeshFormat::Obj => obj::parse(name, bytes),
         MeshFormat::Off => off::parse(name, bytes),
         MeshFormat::Ply => ply::parse(name, bytes),
@@ -157,6 +177,6 @@ mod tests {
             assert_eq!(format.extension().parse(), Ok(format));
         }
         let e = "fbx".parse::<MeshFormat>().unwrap_err();
-        assert_eq!(e.to_string(), "`fbx` is not a mesh format; known are obj, off, ply, stl");
+        assert_eq!(e.to_string(), "`fbx` is not a mesh format; known are glb, gltf, obj, off, ply, stl");
     }
 }

@@ -17,7 +17,8 @@ pub struct ReadNotes {
     pub unreferenced_vertices: usize,
     /// UVs that no corner uses; they are not in the map.
     pub unreferenced_uvs: usize,
-    /// How many corners found their vertex already there (STL has no other way to share one).
+    /// How many corners (STL, which has no other way to share a vertex) or vertices (glTF, which splits them where
+    /// normals differ) found a vertex at their exact position already there.
     pub vertices_welded: usize,
     /// Why there is no UV map though the file has UVs.
     pub uv_dropped: Option<UvDropped>,
@@ -68,7 +69,7 @@ impl ReadNotes {
         say(n, format!("{n} polygons cut into {made} triangles"));
         say(self.unreferenced_vertices, format!("{} vertices that no face uses kept", self.unreferenced_vertices));
         say(self.unreferenced_uvs, format!("{} UVs that no corner uses left out", self.unreferenced_uvs));
-        say(self.vertices_welded, format!("{} corners welded by exact position", self.vertices_welded));
+        say(self.vertices_welded, format!("{} vertices welded by exact position", self.vertices_welded));
         if let Some(why) = self.uv_dropped {
             say(1, format!("UVs left out: {why}"));
         }

@@ -10,7 +10,10 @@
 //! Positive indices count from the beginning of the file and may point ahead; negative ones count
 //! backwards from the face. Normal indices must be whole numbers and are not followed.
 
+mod document;
 mod plain;
+
+pub use document::{Labels, ObjDocument, ObjWritten};
 
 use super::error::ReadError;
 use super::gather::{Gather, NO_UV};

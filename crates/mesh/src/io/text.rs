@@ -46,6 +46,11 @@ impl<'a> Lines<'a> {
         self.bytes.len() - self.taken
     }
 
+    /// How many bytes have been taken, with the ends of their lines.
+    pub(super) fn taken(&self) -> usize {
+        self.taken
+    }
+
     /// The next line with at least one word.
     pub(super) fn next_with_words(&mut self) -> Option<Line<'a>> {
         self.find(|line| line.words().next().is_some())
@@ -90,6 +95,11 @@ impl<'a> Line<'a> {
         Self { file, number: 0, text: &[] }
     }
 
+    /// The line itself.
+    pub(super) fn text(&self) -> &'a [u8] {
+        self.text
+    }
+
     /// The words of this line.
     pub(super) fn words(&self) -> Words<'a> {
         Words::of(self.text)
@@ -131,6 +141,11 @@ impl<'a> Words<'a> {
     /// The words of a line without its end.
     pub(super) fn of(line: &'a [u8]) -> Self {
         Self { rest: line }
+    }
+
+    /// How many bytes are behind the last word that was taken.
+    pub(super) fn bytes_left(&self) -> usize {
+        self.rest.len()
     }
 
     /// What is left of the line, as text without blanks around it.

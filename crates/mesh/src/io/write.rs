@@ -1,17 +1,17 @@
-//! Writing OBJ and PLY.
+//! Writing OBJ and PLY, and whatever is written to a file: complete, or not at all.
 //!
-//! Vertices and faces keep their order, and all numbers are read back to the bit.
+//! Vertices and faces keep their order, and all numbers are read back to the bit (but for glTF, which stores 32 of them).
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::MeshFormat;
+use super::{MeshFormat, ReadError};
 use crate::{FaceId, Point2, TriMesh, UvMap};
 
 /// The formats that [`write`] knows, for its message.
-const WRITTEN: &str = "obj, ply";
+const WRITTEN: &str = "glb, gltf, obj, ply";
 
 /// Why a mesh cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -49,9 +49,58 @@ pub enum WriteError {
         /// How many there are.
         count: usize,
     },
+    /// A glTF document cannot be edited because something in it is wrong.
+    #[error(transparent)]
+    Document(#[from] ReadError),
+    /// A set of texture coordinates that a primitive has already.
+    #[error(
+        "{file}, meshes[{mesh}].primitives[{primitive}]: there is a TEXCOORD_{set} already; write TEXCOORD_{next}, or overwrite it"
+    )]
+    TexcoordTaken {
+        /// The document.
+        file: String,
+        /// The mesh.
+        mesh: usize,
+        /// The primitive in the mesh.
+        primitive: usize,
+        /// The set that was asked for.
+        set: u32,
+        /// The first that is free in all primitives.
+        next: u32,
+    },
+    /// A set of texture coordinates that would leave a gap.
+    #[error(
+        "{file}: TEXCOORD_{set} would leave a gap, which glTF does not allow; the next free set is TEXCOORD_{next}"
+    )]
+    TexcoordGap {
+        /// The document.
+        file: String,
+        /// The set that was asked for.
+        set: u32,
+        /// The first that is free in all primitives.
+        next: u32,
+    },
+    /// More bytes or vertices than 32 bits can count.
+    #[error("{target}: {what} do not fit in 32 bits; write a .gltf instead of a .glb, or split the model")]
+    TooLarge {
+        /// The file, or `output` where there is none.
+        target: String,
+        /// What there is too much of.
+        what: &'static str,
+    },
+    /// A file that the document names cannot be named from the folder it is written to.
+    #[error("{target}: `{uri}` cannot be reached from there; write to the folder of the original")]
+    Unreachable {
+        /// The file to be written.
+        target: String,
+        /// The name in the document.
+        uri: String,
+    },
 }
 
-/// Writes a mesh file; its extension (`obj` or `ply`, in whatever case) names the format.
+/// Writes a mesh file; its extension (`obj`, `ply`, `glb` or `gltf`, in whatever case) names the format.
+///
+/// glTF stores numbers of 32 bits. A `.gltf` has its buffer beside it, as `.bin`.
 ///
 /// The file is written under a temporary name in the same folder and renamed when it is complete,
 /// so that a half-written file never stands under the final name.
@@ -62,6 +111,10 @@ pub fn write(path: &Path, mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), Writ
     let format = match MeshFormat::from_path(path) {
         Some(MeshFormat::Obj) => obj,
         Some(MeshFormat::Ply) => ply,
+        Some(MeshFormat::Glb | MeshFormat::Gltf) => {
+            check(mesh, uv)?;
+            return super::gltf::write_plain(path, mesh, uv);
+        }
         _ => return Err(WriteError::UnknownExtension { file: path.display().to_string() }),
     };
     check(mesh, uv)?;
@@ -151,7 +204,8 @@ fn destination(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many symbolic links"))
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// The folder of a file.
+pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
@@ -168,7 +222,7 @@ fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
 }
 
 /// The map must belong to the mesh, and all numbers must be finite.
-fn check(mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), WriteError> {
+pub(super) fn check(mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), WriteError> {
     check_finite("vertex", mesh.positions().iter().map(|p| p.iter().all(|x| x.is_finite())))?;
     let Some(map) = uv else { return Ok(()) };
     let (map_corners, mesh_corners) = (map.corners().len(), 3 * mesh.face_count());
@@ -178,7 +232,8 @@ fn check(mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), WriteError> {
     check_finite("UV point", map.points().iter().map(|p| p.iter().all(|x| x.is_finite())))
 }
 
-fn check_finite(what: &'static str, finite: impl Iterator<Item = bool>) -> Result<(), WriteError> {
+/// Everything of a kind has to be finite.
+pub(super) fn check_finite(what: &'static str, finite: impl Iterator<Item = bool>) -> Result<(), WriteError> {
     let mut bad = finite.enumerate().filter(|&(_, finite)| !finite).map(|(i, _)| i);
     match bad.next() {
         None => Ok(()),
@@ -252,7 +307,7 @@ fn line<T, const N: usize>(block: &mut Vec<u8>, keyword: &[u8], words: [T; N], a
 /// A shortest text that reads back to the same bits, laid out as `{:?}` does, with an exponent where that
 /// saves zeros; `{}` would write 300 digits for 1e300. Of two such texts that are equally close to the
 /// number `{:?}` takes the upper one, this the even one.
-fn decimal(block: &mut Vec<u8>, x: f64) {
+pub(super) fn decimal(block: &mut Vec<u8>, x: f64) {
     /// Between these (and for zero) `{:?}` and the fast formatter both write no exponent.
     const PLAIN: std::ops::Range<f64> = 1e-4..1e16;
     if x == 0.0 || PLAIN.contains(&x.abs()) {
@@ -263,7 +318,7 @@ fn decimal(block: &mut Vec<u8>, x: f64) {
 }
 
 /// An index as OBJ counts: from 1.
-fn index(block: &mut Vec<u8>, from_zero: usize) {
+pub(super) fn index(block: &mut Vec<u8>, from_zero: usize) {
     block.extend_from_slice(itoa::Buffer::new().format(from_zero + 1).as_bytes());
 }
 

@@ -3,5 +3,7 @@
 mod broken;
 mod common;
 mod damage;
+mod gltf;
+mod kept_obj;
 mod oracle;
 mod round_trip;

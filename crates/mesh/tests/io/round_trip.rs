@@ -133,7 +133,7 @@ fn paths_that_cannot_be_read_or_written_are_named() {
     let e = read(&missing).unwrap_err();
     assert!(matches!(&e, ReadError::Open { file, .. } if file.ends_with("missing.obj")), "{e}");
     let e = read(&folder.path().join("mesh.fbx")).unwrap_err();
-    assert!(matches!(&e, ReadError::UnknownExtension { known, .. } if known == "obj, off, ply, stl"), "{e}");
+    assert!(matches!(&e, ReadError::UnknownExtension { known, .. } if known == "glb, gltf, obj, off, ply, stl"), "{e}");
     let e = read(&folder.path().join("mesh")).unwrap_err();
     assert!(matches!(&e, ReadError::UnknownExtension { .. }), "{e}");
     let e = write(&folder.path().join("mesh.stl"), &pyramid(), None).unwrap_err();

@@ -1,0 +1,370 @@
+//! An OBJ kept as it was: the text of the file with other UVs.
+//!
+//! Everything but the `vt` lines and the UV indices stays to the byte: comments, materials, groups, smoothing, normals,
+//! colours of vertices, polygons, the order and the ends of lines, continued lines. The new `vt` lines stand where the first
+//! old one was, or else before the first face. Indices of vertices and normals are copied as text, so that negative ones
+//! stay negative. Other statements that name UVs (`l`, `surf`) lose them, because the old ones are gone.
+
+use std::collections::HashMap;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use super::super::error::ReadError;
+use super::super::text::{Lines, Words, without_mark};
+use super::super::write::{WriteError, check, decimal, index, replace};
+use super::super::{MeshFile, MeshFormat};
+use crate::{UvId, UvMap, VertexId};
+
+/// A name for every triangle.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Labels {
+    /// The names, in the order of their first use.
+    pub names: Vec<String>,
+    /// For every triangle the place of its name among these.
+    pub of_faces: Vec<u32>,
+}
+
+/// An OBJ file: its text and its mesh.
+#[derive(Clone, Debug)]
+pub struct ObjDocument {
+    name: String,
+    bytes: Vec<u8>,
+    file: MeshFile,
+    /// For every polygon how many triangles it became.
+    polygons: Vec<u32>,
+    groups: Labels,
+    materials: Labels,
+}
+
+/// What was written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ObjWritten {
+    /// Polygons written as triangles, because a seam runs along a diagonal.
+    pub polygons_split: usize,
+}
+
+impl ObjDocument {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// Those of [`read`](crate::io::read).
+    pub fn read(path: &Path) -> Result<Self, ReadError> {
+        let name = path.display().to_string();
+        match std::fs::read(path) {
+            Ok(bytes) => Self::parse(&name, bytes),
+            Err(cause) => Err(ReadError::Open { file: name, cause }),
+        }
+    }
+
+    /// Reads the bytes of a file. The name serves the messages only.
+    ///
+    /// # Errors
+    /// Those of [`parse`](crate::io::parse).
+    pub fn parse(name: &str, bytes: Vec<u8>) -> Result<Self, ReadError> {
+        let file = crate::io::parse(MeshFormat::Obj, name, &bytes)?;
+        let mut scan = Scan::default();
+        let mut lines = Lines::new(name, &bytes);
+        while let Some(line) = lines.next_joined() {
+            let text = line.text();
+            let mut words = Words::of(text);
+            // Most lines are vertices, which are not looked at.
+            match words.next() {
+                Some(b"f" | b"fo") => scan.polygon(words.count()),
+                Some(b"g") => (scan.group, scan.groups.current) = (words.remainder(), None),
+                Some(b"o") => (scan.object, scan.groups.current) = (words.remainder(), None),
+                Some(b"usemtl") => (scan.material, scan.materials.current) = (words.remainder(), None),
+                _ => {}
+            }
+        }
+        debug_assert_eq!(scan.groups.labels.of_faces.len(), file.mesh.face_count());
+        let Scan { polygons, groups, materials, .. } = scan;
+        Ok(Self { name: name.to_owned(), file, polygons, groups: groups.labels, materials: materials.labels, bytes })
+    }
+
+    /// The mesh, as [`read`](crate::io::read) gives it.
+    #[must_use]
+    pub fn file(&self) -> &MeshFile {
+        &self.file
+    }
+
+    /// The groups of the triangles: object (`o`) and group (`g`), with ` / ` between if there are both.
+    #[must_use]
+    pub fn groups(&self) -> &Labels {
+        &self.groups
+    }
+
+    /// The materials of the triangles (`usemtl`); an empty name before the first.
+    #[must_use]
+    pub fn materials(&self) -> &Labels {
+        &self.materials
+    }
+
+    /// The edges that polygons were cut along, which the file does not have: no seam should run there.
+    #[must_use]
+    pub fn diagonals(&self) -> Vec<[VertexId; 2]> {
+        let faces = self.file.mesh.faces();
+        let mut out = Vec::new();
+        let mut first = 0;
+        for &triangles in &self.polygons {
+            let next = first + triangles as usize;
+            // Every triangle of a fan but the last ends at a diagonal.
+            out.extend(faces[first..next].iter().take(triangles as usize - 1).map(|&[a, _, c]| [a, c]));
+            first = next;
+        }
+        out
+    }
+
+    /// Writes the text with these UVs to a file, which appears when it is complete.
+    ///
+    /// # Errors
+    /// A [`WriteError`]; what stood under that name before is then still there.
+    pub fn write(&self, path: &Path, uv: &UvMap) -> Result<ObjWritten, WriteError> {
+        check(&self.file.mesh, Some(uv))?;
+        let mut written = ObjWritten::default();
+        replace(path, |out| {
+            written = self.fill(out, uv)?;
+            Ok(())
+        })
+        .map_err(|cause| WriteError::Io { target: path.display().to_string(), cause })?;
+        Ok(written)
+    }
+
+    /// Writes the text with these UVs.
+    ///
+    /// # Errors
+    /// A [`WriteError`].
+    pub fn write_to(&self, out: impl Write, uv: &UvMap) -> Result<ObjWritten, WriteError> {
+        check(&self.file.mesh, Some(uv))?;
+        let mut out = BufWriter::new(out);
+        let written = self.fill(&mut out, uv).and_then(|written| out.flush().map(|()| written));
+        written.map_err(|cause| WriteError::Io { target: "output".to_owned(), cause })
+    }
+
+    fn fill(&self, out: &mut dyn Write, uv: &UvMap) -> io::Result<ObjWritten> {
+        /// Bytes that are collected before they are written.
+        const ENOUGH: usize = 1 << 16;
+        let text = without_mark(&self.bytes);
+        out.write_all(&self.bytes[..self.bytes.len() - text.len()])?;
+        let mut pen = Pen { text, uv, out: Vec::new(), copied: 0, uvs_written: false, written: ObjWritten::default() };
+        let mut polygons = self.polygons.iter();
+        let mut corners = uv.corners();
+        // A mark is gone already.
+        let mut lines = Lines::after(&self.name, text, 0);
+        let mut start = 0;
+        while let Some(line) = lines.next_joined() {
+            let end = lines.taken();
+            let statement = Statement { start, text: line.text(), end };
+            let mut words = Words::of(statement.text);
+            match words.next() {
+                Some(b"vt") => pen.uvs(&statement),
+                Some(keyword @ (b"f" | b"fo")) => {
+                    let triangles = polygons.next().map_or(0, |&n| n as usize);
+                    let (own, others) = corners.split_at((3 * triangles).min(corners.len()));
+                    corners = others;
+                    pen.face(&statement, keyword, words, own);
+                }
+                Some(b"l" | b"surf") => pen.without_uvs(&statement, words),
+                _ => {}
+            }
+            if pen.out.len() >= ENOUGH {
+                out.write_all(&pen.out)?;
+                pen.out.clear();
+            }
+            start = end;
+        }
+        pen.copy_to(text.len());
+        out.write_all(&pen.out)?;
+        Ok(pen.written)
+    }
+}
+
+/// What a first pass over the text finds.
+#[derive(Default)]
+struct Scan {
+    object: String,
+    group: String,
+    material: String,
+    polygons: Vec<u32>,
+    groups: Interned,
+    materials: Interned,
+}
+
+impl Scan {
+    fn polygon(&mut self, corners: usize) {
+        // The reader refuses polygons of fewer than three corners, and more corners than ids can name.
+        let triangles = corners.saturating_sub(2) as u32;
+        self.polygons.push(triangles);
+        self.groups.add(triangles, || match (self.object.as_str(), self.group.as_str()) {
+            (object, "") => object.to_owned(),
+            ("", group) => group.to_owned(),
+            (object, group) => format!("{object} / {group}"),
+        });
+        self.materials.add(triangles, || self.material.clone());
+    }
+}
+
+/// Names as numbers.
+#[derive(Default)]
+struct Interned {
+    labels: Labels,
+    known: HashMap<String, u32>,
+    /// The number of the name that holds now; `None` after a change.
+    current: Option<u32>,
+}
+
+impl Interned {
+    /// Gives the next triangles the name that holds now.
+    fn add(&mut self, triangles: u32, name: impl FnOnce() -> String) {
+        let (known, names) = (&mut self.known, &mut self.labels.names);
+        let label = *self.current.get_or_insert_with(|| {
+            let name = name();
+            *known.entry(name).or_insert_with_key(|name| {
+                names.push(name.clone());
+                // There are no more names than polygons.
+                names.len() as u32 - 1
+            })
+        });
+        self.labels.of_faces.extend(std::iter::repeat_n(label, triangles as usize));
+    }
+}
+
+/// A statement of the text, perhaps of several lines.
+struct Statement<'a> {
+    /// Where it begins.
+    start: usize,
+    /// Its text without the last line end.
+    text: &'a [u8],
+    /// Where the next begins.
+    end: usize,
+}
+
+/// Copies the text, and writes other things in between.
+struct Pen<'a> {
+    text: &'a [u8],
+    uv: &'a UvMap,
+    out: Vec<u8>,
+    /// What of the text has been copied, or left out.
+    copied: usize,
+    uvs_written: bool,
+    written: ObjWritten,
+}
+
+impl Pen<'_> {
+    /// Copies everything up to here.
+    fn copy_to(&mut self, end: usize) {
+        self.out.extend_from_slice(&self.text[self.copied..end]);
+        self.copied = end;
+    }
+
+    /// The end of the line of a statement; the last line of a file may have none.
+    fn line_end(&self, statement: &Statement<'_>) -> &'static [u8] {
+        match &self.text[statement.start + statement.text.len()..statement.end] {
+            b"\r\n" => b"\r\n",
+            b"\r" => b"\r",
+            _ => b"\n",
+        }
+    }
+
+    /// Leaves out a `vt`. The new ones stand where the first was.
+    fn uvs(&mut self, statement: &Statement<'_>) {
+        self.all_uvs(statement);
+        self.copy_to(statement.start);
+        self.copied = statement.end;
+    }
+
+    /// Writes the new `vt` before a statement, if they are not written yet.
+    fn all_uvs(&mut self, statement: &Statement<'_>) {
+        if std::mem::replace(&mut self.uvs_written, true) {
+            return;
+        }
+        self.copy_to(statement.start);
+        let line_end = self.line_end(statement);
+        for p in self.uv.points() {
+            self.out.extend_from_slice(b"vt ");
+            decimal(&mut self.out, p.x);
+            self.out.push(b' ');
+            decimal(&mut self.out, p.y);
+            self.out.extend_from_slice(line_end);
+        }
+    }
+
+    /// Writes a polygon with the UVs of the corners of its triangles.
+    fn face(&mut self, statement: &Statement<'_>, keyword: &[u8], mut words: Words<'_>, corners: &[UvId]) {
+        self.all_uvs(statement);
+        let Some(ids) = self.polygon_uvs(corners) else {
+            return self.triangles(statement, keyword, words, corners);
+        };
+        for id in ids {
+            let Some(word) = words.next() else { return };
+            let end = statement.start + statement.text.len() - words.bytes_left();
+            self.copy_to(end - word.len());
+            self.corner(word, Some(id));
+            self.copied = end;
+        }
+    }
+
+    /// The UV of every corner of a polygon, if its triangles agree.
+    fn polygon_uvs(&self, corners: &[UvId]) -> Option<Vec<UvId>> {
+        let bits = |id: UvId| {
+            let p = self.uv.points()[id.index()];
+            [p.x.to_bits(), p.y.to_bits()]
+        };
+        let same = |a: UvId, b: UvId| a == b || bits(a) == bits(b);
+        let mut ids = corners.get(..2)?.to_vec();
+        for triangle in corners.chunks_exact(3) {
+            if !same(triangle[0], ids[0]) || !same(triangle[1], ids[ids.len() - 1]) {
+                return None;
+            }
+            ids.push(triangle[2]);
+        }
+        Some(ids)
+    }
+
+    /// Writes the triangles of a polygon, one on each line; what followed the polygon follows the last.
+    fn triangles(&mut self, statement: &Statement<'_>, keyword: &[u8], mut words: Words<'_>, corners: &[UvId]) {
+        self.copy_to(statement.start);
+        self.written.polygons_split += 1;
+        let line_end = self.line_end(statement);
+        let list: Vec<&[u8]> = words.by_ref().take(corners.len() / 3 + 2).collect();
+        for (k, ids) in corners.chunks_exact(3).enumerate() {
+            if k > 0 {
+                self.out.extend_from_slice(line_end);
+            }
+            self.out.extend_from_slice(keyword);
+            for (place, &id) in [0, k + 1, k + 2].into_iter().zip(ids) {
+                self.out.push(b' ');
+                self.corner(list[place], Some(id));
+            }
+        }
+        self.copied = statement.start + statement.text.len() - words.bytes_left();
+    }
+
+    /// Writes a corner with another UV, or without.
+    fn corner(&mut self, word: &[u8], id: Option<UvId>) {
+        let mut parts = word.split(|&b| b == b'/');
+        self.out.extend_from_slice(parts.next().unwrap_or_default());
+        let normal = parts.nth(1).filter(|part| !part.is_empty());
+        if id.is_some() || normal.is_some() {
+            self.out.push(b'/');
+        }
+        if let Some(id) = id {
+            index(&mut self.out, id.index());
+        }
+        if let Some(normal) = normal {
+            self.out.push(b'/');
+            self.out.extend_from_slice(normal);
+        }
+    }
+
+    /// Takes the UVs out of a statement that is no face.
+    fn without_uvs(&mut self, statement: &Statement<'_>, mut words: Words<'_>) {
+        while let Some(word) = words.next() {
+            if word.contains(&b'/') {
+                let end = statement.start + statement.text.len() - words.bytes_left();
+                self.copy_to(end - word.len());
+                self.corner(word, None);
+                self.copied = end;
+            }
+        }
+    }
+}
