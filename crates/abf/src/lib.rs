@@ -19,6 +19,8 @@
 //! which layout, when to stop. Core crates print nothing; an [`Observer`] hears what happens and may
 //! cancel.
 
+mod arrays;
+mod atlas;
 mod error;
 mod flattening;
 mod ladder;
@@ -48,6 +50,8 @@ pub use abf_solve_core::{
     StopCriteria, Termination, Verdict,
 };
 pub use abf_solve_linabf::Passes;
+pub use arrays::{ArrayError, ArrayUnwrapper, UnwrappedArrays};
+pub use atlas::{Atlas, AtlasError, AtlasPages, Packed, Placement, Stored};
 pub use error::FlattenError;
 pub use flattening::{Flattening, LayoutReport, RungReport};
 pub use memory::predict_memory;

@@ -24,6 +24,7 @@ pub(super) fn unwrapped(
         seam_length: 0.0,
         diagonal: diagonal(input),
         followers: followers(input, repaired),
+        turned: turned(repaired),
         corner_count: 3 * input.face_count(),
     };
     find_seams(&mut whole, input, repaired);
@@ -62,6 +63,13 @@ fn in_input(
         holes_filled: finished.holes_filled,
         virtual_faces: finished.virtual_faces,
     }
+}
+
+fn turned(repaired: &Repaired) -> Vec<FaceId> {
+    let turned = repaired.faces.iter().zip(&repaired.turned).filter(|&(_, &turned)| turned);
+    let mut turned: Vec<FaceId> = turned.map(|(&face, _)| face).collect();
+    turned.sort_unstable();
+    turned
 }
 
 /// Where corners of dropped faces go: with those of their twins; where a vertex is used twice, all three to the first

@@ -115,6 +115,8 @@ pub struct Unwrapped {
     pub diagonal: f64,
     /// Corners of faces that are in no chart, each with the corner whose UV it takes: see [`Unwrapped::assemble`].
     pub followers: Vec<(CornerId, CornerId)>,
+    /// The faces of the input that repair turned around, ascending: their UVs run the other way.
+    pub turned: Vec<FaceId>,
     corner_count: usize,
 }
 

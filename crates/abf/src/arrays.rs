@@ -1,0 +1,252 @@
+//! Positions and indices in, UVs and a remap out: what engines keep meshes in.
+
+use crate::atlas::{Atlas, AtlasError, AtlasPages, Packed};
+use crate::unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped};
+use crate::{Pipeline, SolverKind};
+use abf_mesh::{GeometryError, Point2, Point3, TriMesh};
+use abf_metrics::Precision;
+use abf_solve_core::{Observer, Silent};
+use std::collections::HashMap;
+
+/// Unwraps a mesh given as arrays into an atlas in the unit square.
+///
+/// ```
+/// // A tetrahedron.
+/// let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let indices = [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3];
+///
+/// let flat = abf::ArrayUnwrapper::new().resolution(512).margin(4).run(&positions, &indices)?;
+/// assert!(flat.packed.metrics.injective());
+/// assert_eq!(flat.indices.len(), indices.len());
+/// // A vertex on a seam has become several; everything else of it is copied from where it came.
+/// let new_positions: Vec<[f32; 3]> = flat.remap.iter().map(|&old| positions[old as usize]).collect();
+/// assert_eq!(new_positions.len(), flat.uvs.len());
+/// # Ok::<(), abf::ArrayError>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ArrayUnwrapper {
+    /// Seams, holes and the solver.
+    pub unwrap: Unwrap,
+    /// The layout of the charts.
+    pub atlas: Atlas,
+}
+
+/// Why arrays could not be unwrapped.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ArrayError {
+    /// Indices that are no triangles.
+    #[error("{count} indices are no triangles: their number must be a multiple of 3")]
+    IndexCount {
+        /// How many there are.
+        count: usize,
+    },
+    /// An index without a vertex.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// There are no charts.
+    #[error(transparent)]
+    Unwrap(#[from] UnwrapError),
+    /// The charts cannot be packed.
+    #[error(transparent)]
+    Atlas(#[from] AtlasError),
+}
+
+/// A mesh as arrays, with UVs.
+#[derive(Clone, Debug)]
+pub struct UnwrappedArrays {
+    /// One UV per new vertex, in `[0, 1]²`, v upwards.
+    pub uvs: Vec<[f32; 2]>,
+    /// Three new vertices per triangle, in the order of the input.
+    pub indices: Vec<u32>,
+    /// For every new vertex the vertex of the input it is a copy of. The first copies have the numbers of the input.
+    pub remap: Vec<u32>,
+    /// The atlas, with its judgement of the UVs as 32-bit numbers.
+    pub packed: Packed,
+    /// The charts and what was repaired.
+    pub unwrapped: Unwrapped,
+}
+
+impl ArrayUnwrapper {
+    /// The defaults: seams from the shape and the stretch, holes filled, one page of 1024 texels.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Which solver flattens the charts.
+    #[must_use]
+    pub fn solver(mut self, solver: SolverKind) -> Self {
+        self.unwrap.pipeline.solver = solver;
+        self
+    }
+
+    /// Every setting of it.
+    #[must_use]
+    pub fn pipeline(mut self, pipeline: Pipeline) -> Self {
+        self.unwrap.pipeline = pipeline;
+        self
+    }
+
+    /// Where seams come from.
+    #[must_use]
+    pub fn seams(mut self, seams: SeamRule) -> Self {
+        self.unwrap.seams = seams;
+        self
+    }
+
+    /// What becomes of holes.
+    #[must_use]
+    pub fn holes(mut self, holes: HoleRule) -> Self {
+        self.unwrap.holes = holes;
+        self
+    }
+
+    /// The L² stretch that seams aim at.
+    #[must_use]
+    pub fn max_stretch(mut self, max_stretch: f64) -> Self {
+        self.unwrap.max_stretch = max_stretch;
+        self
+    }
+
+    /// Whether a mesh that needs repair is refused.
+    #[must_use]
+    pub fn strict(mut self, strict: bool) -> Self {
+        self.unwrap.strict = strict;
+        self
+    }
+
+    /// Which charts share a page.
+    #[must_use]
+    pub fn pages(mut self, pages: AtlasPages) -> Self {
+        self.atlas.pages = pages;
+        self
+    }
+
+    /// Texels along a side of a page.
+    #[must_use]
+    pub fn resolution(mut self, texels: u32) -> Self {
+        self.atlas.resolution = texels;
+        self
+    }
+
+    /// Texels between charts.
+    #[must_use]
+    pub fn margin(mut self, texels: u32) -> Self {
+        self.atlas.margin = texels;
+        self
+    }
+
+    /// Unwraps a mesh.
+    ///
+    /// # Errors
+    /// [`ArrayError`].
+    pub fn run(&self, positions: &[[f32; 3]], indices: &[u32]) -> Result<UnwrappedArrays, ArrayError> {
+        self.run_with(positions, indices, &SurfaceHints::default(), &mut Silent)
+    }
+
+    /// The same with hints, per face and corner of `indices`, and with an observer, which hears of progress and may cancel.
+    ///
+    /// # Errors
+    /// [`ArrayError`].
+    pub fn run_with(
+        &self,
+        positions: &[[f32; 3]],
+        indices: &[u32],
+        hints: &SurfaceHints<'_>,
+        observer: &mut (dyn Observer + Send),
+    ) -> Result<UnwrappedArrays, ArrayError> {
+        let (triangles, rest) = indices.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(ArrayError::IndexCount { count: indices.len() });
+        }
+        let mesh = welded(positions, triangles)?;
+        let unwrapped = self.unwrap.run(&mesh, hints, observer)?;
+        let stored = |p: Point2<f64>| p.map(|x| Precision::Single.round(x));
+        let packed = self.atlas.pack(&mesh, &unwrapped, hints.face_labels, (stored, Precision::Single))?;
+        let (indices, remap, uvs) = split(positions.len(), indices, &packed);
+        Ok(UnwrappedArrays { uvs, indices, remap, packed, unwrapped })
+    }
+}
+
+/// The mesh with vertices at one position made one: engines split them where normals or UVs differ.
+fn welded(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<TriMesh, GeometryError> {
+    let mut at: HashMap<[u32; 3], usize> = HashMap::with_capacity(positions.len());
+    let mut points = Vec::new();
+    // Adding zero makes −0 positive, which is the same place.
+    let vertex = |p: &[f32; 3]| {
+        *at.entry(p.map(|x| (x + 0.0).to_bits())).or_insert_with(|| {
+            points.push(Point3::from(p.map(f64::from)));
+            points.len() - 1
+        })
+    };
+    let vertices: Vec<usize> = positions.iter().map(vertex).collect();
+    // An index beyond all vertices stays one, for the error that names it.
+    let of = |i: u32| vertices.get(i as usize).copied().unwrap_or(i as usize + positions.len());
+    TriMesh::new(points, &triangles.iter().map(|t| t.map(of)).collect::<Vec<_>>())
+}
+
+/// New indices, for every new vertex its old one, and its UV: vertices are split where corners have different UVs.
+fn split(vertex_count: usize, indices: &[u32], packed: &Packed) -> (Vec<u32>, Vec<u32>, Vec<[f32; 2]>) {
+    let uv = &packed.uv;
+    let mut remap: Vec<u32> = (0..vertex_count as u32).collect();
+    let mut uvs: Vec<Option<[f32; 2]>> = vec![None; vertex_count];
+    let mut copies: HashMap<(u32, [u32; 2]), u32> = HashMap::new();
+    let new_index = |(&old, id): (&u32, &abf_mesh::UvId)| {
+        let point = uv.points()[id.index()];
+        let point = [point.x as f32, point.y as f32];
+        let bits = point.map(f32::to_bits);
+        match uvs[old as usize] {
+            None => {
+                uvs[old as usize] = Some(point);
+                old
+            }
+            Some(known) if known.map(f32::to_bits) == bits => old,
+            Some(_) => *copies.entry((old, bits)).or_insert_with(|| {
+                remap.push(old);
+                uvs.push(Some(point));
+                remap.len() as u32 - 1
+            }),
+        }
+    };
+    let indices = indices.iter().zip(uv.corners()).map(new_index).collect();
+    // Vertices of no triangle have none.
+    (indices, remap, uvs.into_iter().map(Option::unwrap_or_default).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abf_shapes::Shape;
+
+    #[test]
+    fn vertices_of_one_place_are_one_and_come_back_as_they_were() {
+        // Every triangle has vertices of its own, as after flat shading.
+        let mesh = Shape::Hemisphere.mesh(200);
+        let positions: Vec<[f32; 3]> = mesh.triangles().flatten().map(|p| p.coords.map(|x| x as f32).into()).collect();
+        let indices: Vec<u32> = (0..positions.len() as u32).collect();
+        let flat = ArrayUnwrapper::new().run(&positions, &indices).expect("a disk");
+        assert!(flat.packed.metrics.injective());
+        assert_eq!((flat.unwrapped.charts.len(), flat.packed.pages), (1, 1));
+        assert_eq!((flat.indices, flat.remap), (indices.clone(), indices));
+        assert!(flat.uvs.iter().flatten().all(|x| (0.0..=1.0).contains(x)));
+    }
+
+    #[test]
+    fn a_seam_splits_its_vertices_and_says_where_they_came_from() {
+        let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let indices = [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3];
+        let flat = ArrayUnwrapper::new().run(&positions, &indices).expect("a closed surface");
+        assert!(flat.packed.metrics.injective() && flat.remap.len() > 4);
+        let old: Vec<u32> = flat.indices.iter().map(|&new| flat.remap[new as usize]).collect();
+        assert_eq!(old, indices);
+        assert_eq!(flat.uvs.len(), flat.remap.len());
+    }
+
+    #[test]
+    fn what_is_no_mesh_is_named() {
+        let run = |indices: &[u32]| ArrayUnwrapper::new().run(&[[0.0; 3]; 3], indices).unwrap_err();
+        assert_eq!(run(&[0, 1]), ArrayError::IndexCount { count: 2 });
+        assert!(run(&[0, 1, 7]).to_string().contains("face 0"), "{}", run(&[0, 1, 7]));
+    }
+}
