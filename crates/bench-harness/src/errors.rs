@@ -2,7 +2,7 @@
 
 use crate::hints;
 use crate::number::megabytes;
-use abf::{FlattenError, MetricsError};
+use abf::{AtlasError, FlattenError, MetricsError, UnwrapError};
 use abf_mesh::io::{ReadError, UvDropped, WriteError};
 use abf_report::PictureError;
 use serde::Serialize;
@@ -46,6 +46,34 @@ impl Failure {
     /// triangles are counted after.
     pub(crate) fn flatten(mesh: &str, error: &FlattenError, fanned: bool) -> Self {
         Self::new(hints::flatten(error), format!("{mesh}: {}", counted(chain(error), fanned)))
+    }
+
+    /// A mesh that cannot be made charts.
+    pub(crate) fn unwrap(mesh: &str, error: &UnwrapError, fanned: bool) -> Self {
+        Self::new(hints::unwrap(error), format!("{mesh}: {}", counted(chain(error), fanned)))
+    }
+
+    /// Charts that cannot be packed.
+    pub(crate) fn atlas(mesh: &str, error: &AtlasError) -> Self {
+        Self::new(hints::atlas(error), format!("{mesh}: {}", chain(error)))
+    }
+
+    /// A file without the seams that were to be kept.
+    pub(crate) fn no_seams(mesh: &str) -> Self {
+        let hint = "take --seams auto, or --seams file for the borders of groups and materials";
+        Self::new(("no-seams", hint), format!("{mesh}: it has no seams to keep"))
+    }
+
+    /// A remap of vertices that there is none of.
+    pub(crate) fn no_remap(path: &Path) -> Self {
+        let hint = "name a glTF as input and one as --output";
+        Self::new(("no-remap", hint), format!("{}: only vertices of a glTF become others", path.display()))
+    }
+
+    /// A file that was changed while it was worked on.
+    pub(crate) fn changed(mesh: &str) -> Self {
+        let hint = "start again when nothing else writes it";
+        Self::new(("changed", hint), format!("{mesh}: the file was changed since it was read"))
     }
 
     /// UVs that cannot be judged.

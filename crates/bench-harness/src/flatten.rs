@@ -4,13 +4,15 @@ use crate::cancel::Cancel;
 use crate::errors::Failure;
 use crate::history::{self, History};
 use crate::load::{Loaded, unusable};
+use crate::number::count;
 use crate::record::{Outcome, Record, to_json};
 use crate::run::{self, Flattened};
 use crate::settings::{JsonTarget, Settings};
 use crate::show::show;
 use crate::source::Source;
-use crate::{console, files, table};
-use abf_mesh::{TriMesh, UvMap, io};
+use crate::{charting, console, files, table};
+use abf_mesh::io::{GltfTexcoords, MeshFormat};
+use abf_mesh::{TriMesh, UvMap, VertexId, io};
 use abf_report::svg::{SvgStyle, layout_svg};
 use abf_report::{PictureStyle, picture};
 use std::path::Path;
@@ -70,7 +72,7 @@ fn with_all(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     let mut records = Vec::new();
     for method in &settings.methods {
         let Flattened { record, history, mesh_is_unusable, .. } =
-            run::flatten(&loaded, method, settings.history.is_some(), cancel);
+            run::flatten(&loaded, method, Some(&settings.charting), settings.history.is_some(), cancel);
         if let (true, Some(failure)) = (mesh_is_unusable, &record.error) {
             console::failure(failure);
             return vec![record];
@@ -87,10 +89,10 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     let record = match Loaded::read(source, settings.max_memory(), cancel) {
         Ok(loaded) => {
             let method = &settings.methods[0];
-            let Flattened { mut record, uv, history, .. } =
-                run::flatten(&loaded, method, settings.history.is_some(), cancel);
+            let Flattened { mut record, uv, seams, history, .. } =
+                run::flatten(&loaded, method, Some(&settings.charting), settings.history.is_some(), cancel);
             if let Some(uv) = uv.filter(|_| record.error.is_none()) {
-                record.error = write_files(settings, &loaded.mesh, &uv, &mut record).err();
+                record.error = write_files(settings, &loaded, &uv, &seams, &mut record).err();
             }
             runs.extend(history);
             record
@@ -100,6 +102,8 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     if let Some(failure) = &record.error {
         console::failure(failure);
     }
+    let repairs = record.atlas.iter().flat_map(|atlas| &atlas.repairs);
+    repairs.for_each(|repair| console::note(&record.mesh, repair));
     for note in [&record.climb, &record.precision, &record.overlap].into_iter().flatten() {
         console::note(&record.mesh, note);
     }
@@ -111,17 +115,41 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
 
 /// Writes the mesh and the pictures. One file that cannot be written does not keep the others from
 /// being tried; the last failure is returned, those before it are shown.
-fn write_files(settings: &Settings, mesh: &TriMesh, uv: &UvMap, record: &mut Record) -> Result<(), Failure> {
+fn write_files(
+    settings: &Settings,
+    loaded: &Loaded,
+    uv: &UvMap,
+    seams: &[[VertexId; 2]],
+    record: &mut Record,
+) -> Result<(), Failure> {
+    let (mesh, charting) = (&loaded.mesh, &settings.charting);
     let begin = Instant::now();
-    let written = settings.output.as_deref().map(|path| (path, write(path, mesh, uv)));
+    let mut remap = None;
+    let written = settings.output.as_deref().map(|path| {
+        let written = write(path, loaded, uv, charting.overwrite);
+        (
+            path,
+            written.map(|kept| {
+                remap = kept.remap;
+                kept.notes.iter().for_each(|note| console::note(&record.mesh, note));
+                record.notes.extend(kept.notes);
+            }),
+        )
+    });
     if let (Some(timings), Some(_)) = (&mut record.timings_s, &written) {
         timings.write = begin.elapsed().as_secs_f64();
         timings.total += timings.write;
     }
     let png = settings.png.as_deref().map(|path| (path, draw(path, mesh, uv)));
     let svg = settings.svg.as_deref().map(|path| (path, draw_layout(path, mesh, uv)));
+    let lines = charting.seam_lines.as_deref();
+    let lines = lines.map(|path| (path, files::replace(path, charting::seam_lines(mesh, seams).as_bytes())));
+    let remap = charting.remap.as_deref().map(|path| match &remap {
+        Some(json) => (path, files::replace(path, json.as_bytes())),
+        None => (path, Err(Failure::no_remap(path))),
+    });
     let mut end = Ok(());
-    for (path, result) in [written, png, svg].into_iter().flatten() {
+    for (path, result) in [written, png, svg, lines, remap].into_iter().flatten() {
         match (result, &end) {
             (Ok(()), _) => record.written.push(path.display().to_string()),
             (Err(failure), Ok(())) => end = Err(failure),
@@ -131,8 +159,42 @@ fn write_files(settings: &Settings, mesh: &TriMesh, uv: &UvMap, record: &mut Rec
     end
 }
 
-fn write(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {
-    io::write(path, mesh, Some(uv)).map_err(|error| Failure::write(path, &error))
+/// What else is known of a mesh that was written.
+#[derive(Default)]
+struct Kept {
+    /// Where the vertices of a glTF come from, as JSON.
+    remap: Option<String>,
+    /// What there is to say.
+    notes: Vec<String>,
+}
+
+/// Writes the mesh; a glTF or an OBJ stays what it was but for its UVs, if it goes to its own format.
+fn write(path: &Path, loaded: &Loaded, uv: &UvMap, overwrite: bool) -> Result<Kept, Failure> {
+    let failed = |error| Failure::write(path, &error);
+    match (MeshFormat::from_path(path), &loaded.gltf) {
+        (Some(MeshFormat::Gltf | MeshFormat::Glb), Some(gltf)) => {
+            let mut document = gltf.document.clone();
+            let remap = document.set_uvs(uv, GltfTexcoords { set: None, overwrite }).map_err(failed)?;
+            document.write(path).map_err(failed)?;
+            let added = count(remap.vertices_added, "vertex", "vertices");
+            let notes = vec![format!("the UVs are TEXCOORD_{}; {added} added at seams", remap.set)];
+            return Ok(Kept { remap: Some(remap.to_json()), notes });
+        }
+        (Some(MeshFormat::Obj), _) => {
+            if let Some(document) = loaded.obj()? {
+                let written = document.write(path, uv).map_err(failed)?;
+                let split = count(written.polygons_split, "polygon", "polygons");
+                let notes = vec![format!("{split} written as triangles, because seams cross them")];
+                return Ok(Kept {
+                    notes: notes.into_iter().filter(|_| written.polygons_split > 0).collect(),
+                    remap: None,
+                });
+            }
+        }
+        _ => {}
+    }
+    io::write(path, &loaded.mesh, Some(uv)).map_err(failed)?;
+    Ok(Kept::default())
 }
 
 fn draw(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {

@@ -3,9 +3,10 @@
 //! The libraries' enums may grow: what is not known here gets a hint that always helps.
 
 use abf::constraints::ProblemError;
+use abf::cut::RepairError;
 use abf::reconstruct::LayoutError;
 use abf::solve_core::{LinearError, SolveError};
-use abf::{FlattenError, MetricsError};
+use abf::{AtlasError, FlattenError, MetricsError, UnwrapError};
 use abf_mesh::io::{ReadError, WriteError};
 use abf_mesh::{DiskError, GeometryError, TopologyError};
 use std::io;
@@ -98,6 +99,31 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Memory { .. } => (MEMORY, MORE_MEMORY),
         FlattenError::Cancelled => ("cancelled", "start it again to have it flattened"),
         _ => ("not-flattened", "try --solver lscm"),
+    }
+}
+
+/// For meshes that cannot be made charts.
+pub(crate) fn unwrap(error: &UnwrapError) -> Hint {
+    match error {
+        UnwrapError::Repair(RepairError::NoFaces { .. }) => {
+            ("no-faces", "a point cloud or a curve has no surface: export a mesh with faces")
+        }
+        UnwrapError::Repair(_) => ("beyond-repair", "repair the mesh in a modelling program"),
+        UnwrapError::NotClean { .. } => ("not-clean", "leave out --strict to have it repaired"),
+        UnwrapError::Setting { .. } => ("setting", "change that option"),
+        UnwrapError::Chart { source, .. } | UnwrapError::Flatten(source) => flatten(source),
+        _ => ("internal", REPORT),
+    }
+}
+
+/// For charts that cannot be packed.
+pub(crate) fn atlas(error: &AtlasError) -> Hint {
+    match error {
+        AtlasError::Setting { .. } => ("setting", "change that option"),
+        AtlasError::Labels { .. } => ("no-materials", "this file has no materials: take --atlas one or per-component"),
+        AtlasError::TooManyCharts { .. } => ("too-many-charts", "use a larger --resolution or a smaller --margin"),
+        AtlasError::Metrics(error) => metrics(error),
+        _ => ("internal", REPORT),
     }
 }
 

@@ -6,8 +6,11 @@ use crate::errors::Failure;
 use crate::memory::HeapWatch;
 use crate::progress::Progress;
 use crate::record::{Record, Size};
-use crate::source::Source;
-use abf_mesh::TriMesh;
+use crate::source::{Gltf, Source};
+use abf_mesh::io::{ObjDocument, ReadNotes};
+use abf_mesh::{TriMesh, UvMap, VertexId};
+use std::collections::{BTreeMap, HashSet};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// A mesh and what is known of it.
@@ -17,6 +20,12 @@ pub(crate) struct Loaded {
     pub(crate) name: String,
     /// Vertices and triangles.
     pub(crate) mesh: TriMesh,
+    /// The UVs it has.
+    pub(crate) uv: Option<UvMap>,
+    /// The document, if it is a glTF.
+    pub(crate) gltf: Option<Box<Gltf>>,
+    /// The file, if it is an OBJ that holds more than a mesh.
+    obj: Option<PathBuf>,
     /// What reading did beyond copying.
     pub(crate) notes: Vec<String>,
     /// Whether polygons were cut into triangles.
@@ -55,12 +64,63 @@ impl Loaded {
         let heap = HeapWatch::start();
         let _progress = Progress::new(&name, cancel);
         let begin = Instant::now();
-        let file = source.read()?;
+        let (file, gltf) = source.read()?;
         let read_s = begin.elapsed().as_secs_f64();
         let notes = file.notes.sentences();
-        let (mesh, fanned) = (file.mesh, file.notes.polygons_fanned > 0);
+        let obj = source.obj().filter(|_| holds_more(&file.notes) || file.uv.is_some()).cloned();
+        let (mesh, uv, fanned) = (file.mesh, file.uv, file.notes.polygons_fanned > 0);
         let (bytes, peak_of_reading) = (heap.bytes(), heap.peak_bytes());
-        Ok(Self { name, mesh, notes, fanned, read_s, bytes, peak_of_reading })
+        Ok(Self { name, mesh, uv, gltf, obj, notes, fanned, read_s, bytes, peak_of_reading })
+    }
+
+    /// Whether it is a glTF document.
+    pub(crate) fn is_gltf(&self) -> bool {
+        self.gltf.is_some()
+    }
+
+    /// The text of an OBJ that holds more than a mesh, to be written with other UVs; `None` for other files.
+    ///
+    /// # Errors
+    /// When the file cannot be read again, or was changed meanwhile.
+    pub(crate) fn obj(&self) -> Result<Option<ObjDocument>, Failure> {
+        let Some(path) = &self.obj else { return Ok(None) };
+        let document = ObjDocument::read(path).map_err(|error| Failure::read(&error))?;
+        if document.file().mesh != self.mesh {
+            return Err(Failure::changed(&self.name));
+        }
+        Ok(Some(document))
+    }
+
+    /// What the file knows of its faces; groups only if `with_groups`.
+    ///
+    /// # Errors
+    /// As [`Self::obj`].
+    pub(crate) fn known_of_faces(&self, with_groups: bool) -> Result<Known, Failure> {
+        if let Some(gltf) = &self.gltf {
+            let materials = Some(gltf.materials.clone());
+            return Ok(Known { labels: materials.clone().filter(|_| with_groups), materials, forbidden: None });
+        }
+        let Some(document) = self.obj()? else { return Ok(Known::default()) };
+        let (groups, materials) = (&document.groups().of_faces, &document.materials().of_faces);
+        let mut pairs = BTreeMap::new();
+        let pair = |(&group, &material): (&u32, &u32)| {
+            let next = pairs.len() as u32;
+            *pairs.entry((group, material)).or_insert(next)
+        };
+        let labels = with_groups.then(|| groups.iter().zip(materials).map(pair).collect());
+        Ok(Known {
+            labels,
+            materials: Some(materials.clone()),
+            forbidden: self.fanned.then(|| self.diagonals(&document)),
+        })
+    }
+
+    /// For every corner whether it faces an edge that a polygon was cut along.
+    fn diagonals(&self, document: &ObjDocument) -> Vec<bool> {
+        let ends = |a: VertexId, b: VertexId| [a.min(b), a.max(b)];
+        let diagonals: HashSet<[VertexId; 2]> = document.diagonals().into_iter().map(|[a, b]| ends(a, b)).collect();
+        let faces = |&[a, b, c]: &[VertexId; 3]| [ends(b, c), ends(c, a), ends(a, b)];
+        self.mesh.faces().iter().flat_map(faces).map(|edge| diagonals.contains(&edge)).collect()
     }
 
     /// A record of what is known so far.
@@ -79,6 +139,22 @@ impl Loaded {
     pub(crate) fn peak_bytes(&self, watch: HeapWatch) -> usize {
         self.peak_of_reading.max(watch.peak_bytes())
     }
+}
+
+/// What a file knows of its faces.
+#[derive(Debug, Default)]
+pub(crate) struct Known {
+    /// Group and material of every face.
+    pub(crate) labels: Option<Vec<u32>>,
+    /// The material of every face.
+    pub(crate) materials: Option<Vec<u32>>,
+    /// For every corner whether the edge that it faces may not be a seam.
+    pub(crate) forbidden: Option<Vec<bool>>,
+}
+
+/// Whether a file holds more than a writer of meshes would write again.
+fn holds_more(notes: &ReadNotes) -> bool {
+    notes.polygons_fanned > 0 || !notes.ignored.is_empty() || !notes.material_libraries.is_empty()
 }
 
 /// The record of a mesh that cannot be used, whatever the solver.

@@ -9,6 +9,7 @@
 mod advice;
 mod args;
 mod cancel;
+mod charting;
 mod compare;
 mod console;
 mod errors;

@@ -2,14 +2,16 @@
 
 use crate::advice;
 use crate::cancel::Cancel;
+use crate::charting::{Charting, Charts};
 use crate::errors::Failure;
 use crate::history::History;
 use crate::load::Loaded;
 use crate::methods::{Method, finds_angles};
 use crate::progress::Progress;
 use crate::record::{Kkt, Quality, Record, Run, Size, Stages, Timings};
+use abf::constraints::ProblemError;
 use abf::{AngleSolution, FlattenError, Flattening, Termination};
-use abf_mesh::{Topology, TriMesh, UvMap};
+use abf_mesh::{Topology, TopologyError, TriMesh, UvMap, VertexId};
 use std::time::Instant;
 
 /// A result with what is not in its record.
@@ -19,6 +21,8 @@ pub(crate) struct Flattened {
     pub(crate) record: Record,
     /// The UVs, if there are any.
     pub(crate) uv: Option<UvMap>,
+    /// The edges it was cut along, if it was.
+    pub(crate) seams: Vec<[VertexId; 2]>,
     /// Every iteration, if there was a solver.
     pub(crate) history: Option<History>,
     /// Whether no other solver can do better, because the mesh itself cannot be flattened.
@@ -27,7 +31,7 @@ pub(crate) struct Flattened {
 
 impl From<Record> for Flattened {
     fn from(record: Record) -> Self {
-        Self { record, uv: None, history: None, mesh_is_unusable: false }
+        Self { record, uv: None, seams: Vec::new(), history: None, mesh_is_unusable: false }
     }
 }
 
@@ -39,8 +43,14 @@ pub(crate) struct Fingerprint {
 }
 
 /// Flattens and judges a mesh. Whatever goes wrong is in the record. `with_curves` says whether inner
-/// iterations are collected.
-pub(crate) fn flatten(loaded: &Loaded, method: &Method, with_curves: bool, cancel: &Cancel) -> Flattened {
+/// iterations are collected; without `charting` only disks are flattened.
+pub(crate) fn flatten(
+    loaded: &Loaded,
+    method: &Method,
+    charting: Option<&Charting>,
+    with_curves: bool,
+    cancel: &Cancel,
+) -> Flattened {
     let solver = method.pipeline.solver.name();
     let mut record = Record { solver: Some(solver), ..loaded.record() };
     if let Some(not_run) = method.not_run(&loaded.mesh) {
@@ -53,11 +63,18 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, with_curves: bool, cance
     }
     let heap = loaded.watch_memory();
     let begin = Instant::now();
+    if let Some(charting) = charting.filter(|charting| charting.is_for(loaded)) {
+        return in_charts(loaded, method, charting, cancel, record);
+    }
     let mut progress = watch(loaded, method, cancel).with_curves(with_curves);
     let mesh = &loaded.mesh;
     // Inside the pool once, and not anew for every loop that is shared out.
     let flat = match rayon::scope(|_| method.pipeline.run(mesh, &mut progress)) {
         Ok(flat) => flat,
+        Err(error) if is_no_disk(&error) && charting.is_some() => {
+            let charting = charting.expect("there is some");
+            return in_charts(loaded, method, charting, cancel, record);
+        }
         Err(error) => return refused(loaded, record, &error),
     };
     progress.end_stages();
@@ -78,6 +95,8 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, with_curves: bool, cance
     record.timings_s = Some(Timings {
         read: loaded.read_s,
         stages: progress.stages(),
+        charts: 0.0,
+        atlas: 0.0,
         certificate: progress.certificate(),
         metrics,
         write: 0.0,
@@ -94,7 +113,56 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, with_curves: bool, cance
     let is_last = flat.rungs.last().is_none_or(|rung| rung.solver == flat.solver);
     let curves = if is_last { progress.take_curves() } else { Vec::new() };
     let history = History::new(&loaded.name, solver, iterations, curves);
-    Flattened { record, uv: Some(flat.uv), history: Some(history), mesh_is_unusable: false }
+    Flattened { record, uv: Some(flat.uv), seams: Vec::new(), history: Some(history), mesh_is_unusable: false }
+}
+
+/// Whether cutting may help.
+fn is_no_disk(error: &FlattenError) -> bool {
+    matches!(
+        error,
+        FlattenError::NotADisk(_)
+            | FlattenError::Problem(ProblemError::NotADisk(_))
+            | FlattenError::Topology(
+                TopologyError::RepeatedVertex { .. }
+                    | TopologyError::NonManifoldEdge { .. }
+                    | TopologyError::NonManifoldVertex { .. }
+                    | TopologyError::InconsistentOrientation { .. }
+                    | TopologyError::NonOrientable { .. }
+            )
+    )
+}
+
+/// Makes charts and an atlas of a mesh.
+fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Cancel, mut record: Record) -> Flattened {
+    let heap = loaded.watch_memory();
+    let begin = Instant::now();
+    let mut progress = watch(loaded, method, cancel);
+    let made = rayon::scope(|_| charting.run(loaded, &method.pipeline, &mut progress));
+    progress.end_stages();
+    let Charts { packed, record: atlas, seams, charts_s } = match made {
+        Ok(charts) => charts,
+        Err(failure) => {
+            let mesh_is_unusable = !failure.is_cancelled();
+            let record = Record { size: Some(Size::of(&loaded.mesh, None)), error: Some(failure), ..record };
+            return Flattened { mesh_is_unusable, ..record.into() };
+        }
+    };
+    let elapsed = begin.elapsed().as_secs_f64();
+    record.size = Some(Size::of(&loaded.mesh, None));
+    record.notes.extend(atlas.repairs.iter().cloned());
+    record.atlas = Some(atlas);
+    record.quality = Some(Quality::new(packed.metrics));
+    record.timings_s = Some(Timings {
+        read: loaded.read_s,
+        stages: Stages { flatten: charts_s, ..Stages::default() },
+        charts: charts_s,
+        atlas: elapsed - charts_s,
+        total: loaded.read_s + elapsed,
+        ..Timings::default()
+    });
+    record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
+    record.overlap = advice::overlap(&record);
+    Flattened { uv: Some(packed.uv), seams, ..record.into() }
 }
 
 /// Flattens a mesh that has been flattened before, for the time it takes.
@@ -119,7 +187,7 @@ pub(crate) fn flatten_again(
 impl Flattened {
     /// What another run should have in common with this one; `None` where there are no UVs.
     pub(crate) fn is_the_same_as(&self, other: &Fingerprint) -> bool {
-        let ended = self.record.run.as_ref().map(|run| run.termination);
+        let ended = self.record.termination();
         self.uv.as_ref() == Some(&other.uv) && ended == Some(other.termination)
     }
 }

@@ -1,6 +1,7 @@
 //! What was meant by flattening: the arguments, checked before any file is read.
 
 use crate::args::{COMMANDS, FlattenArgs};
+use crate::charting::Charting;
 use crate::methods::{Method, methods, usage};
 use crate::source::Source;
 use clap::error::ErrorKind;
@@ -13,6 +14,8 @@ pub(crate) struct Settings {
     pub(crate) sources: Vec<Source>,
     /// How to flatten each; at least one.
     pub(crate) methods: Vec<Method>,
+    /// How to make charts.
+    pub(crate) charting: Charting,
     /// Where the mesh goes.
     pub(crate) output: Option<PathBuf>,
     /// Where the picture goes.
@@ -62,19 +65,25 @@ impl Settings {
             meshes => meshes.iter().cloned().map(Source::File).collect(),
         };
         let (output, png, svg) = (args.output, args.png, args.svg);
+        let charting = Charting::new(args.charts, output.as_deref())?;
         let (history, json) = (JsonTarget::new(args.history), JsonTarget::new(args.json));
-        for (option, path) in [("--output", &output), ("--png", &png), ("--svg", &svg)] {
+        let (seam_lines, remap) = (&charting.seam_lines, &charting.remap);
+        let singles =
+            [("--output", &output), ("--png", &png), ("--svg", &svg), ("--seam-lines", seam_lines), ("--remap", remap)];
+        for (option, path) in singles {
             if let Some(path) = path {
                 check_is_for_one(option, path, sources.len(), methods.len())?;
             }
         }
         if let Some(path) = &output {
-            check_extension("--output", path, &["obj", "ply"])?;
+            check_extension("--output", path, &["obj", "ply", "glb", "gltf"])?;
         }
         let targets = [
             ("--output", output.as_deref()),
             ("--png", png.as_deref()),
             ("--svg", svg.as_deref()),
+            ("--seam-lines", seam_lines.as_deref()),
+            ("--remap", remap.as_deref()),
             ("--json", json.as_ref().and_then(JsonTarget::file)),
             ("--history", history.as_ref().and_then(JsonTarget::file)),
         ];
@@ -86,13 +95,14 @@ impl Settings {
             }
         }
         args.meshes.iter().try_for_each(|mesh| check_is_no_command(mesh))?;
-        Ok(Self { sources, methods, output, png, svg, json, history })
+        Ok(Self { sources, methods, charting, output, png, svg, json, history })
     }
 
     /// The files that will be written.
-    pub(crate) fn files(&self) -> [Option<&Path>; 5] {
+    pub(crate) fn files(&self) -> [Option<&Path>; 7] {
         let [json, history] = [&self.json, &self.history].map(|target| target.as_ref().and_then(JsonTarget::file));
-        [self.output.as_deref(), self.png.as_deref(), self.svg.as_deref(), json, history]
+        let (seams, remap) = (self.charting.seam_lines.as_deref(), self.charting.remap.as_deref());
+        [self.output.as_deref(), self.png.as_deref(), self.svg.as_deref(), json, history, seams, remap]
     }
 
     /// How much memory each may take.

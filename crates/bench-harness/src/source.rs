@@ -1,7 +1,7 @@
 //! Where a mesh comes from.
 
 use crate::errors::Failure;
-use abf_mesh::io::{MeshFile, ReadNotes, read};
+use abf_mesh::io::{GltfDocument, MeshFile, MeshFormat, ReadNotes, read};
 use abf_shapes::{DEFAULT_FIXTURE, Fixture, fixtures};
 use std::fs;
 use std::path::PathBuf;
@@ -25,6 +25,14 @@ impl Source {
         }
     }
 
+    /// Its file, if that is an OBJ.
+    pub(crate) fn obj(&self) -> Option<&PathBuf> {
+        match self {
+            Self::File(path) if MeshFormat::from_path(path) == Some(MeshFormat::Obj) => Some(path),
+            _ => None,
+        }
+    }
+
     /// About how many bytes reading it takes at most, the mesh included; 0 where that cannot be told.
     pub(crate) fn memory_to_read(&self) -> u64 {
         /// Bytes in memory per byte of a file: a binary STL, whose corners are compared, has the most.
@@ -35,16 +43,38 @@ impl Source {
         }
     }
 
-    /// Reads it.
+    /// Reads it; of a glTF the document, too.
     ///
     /// # Errors
     /// What is wrong with the file.
-    pub(crate) fn read(&self) -> Result<MeshFile, Failure> {
+    pub(crate) fn read(&self) -> Result<(MeshFile, Option<Box<Gltf>>), Failure> {
+        let failed = |error| Failure::read(&error);
         match self {
-            Self::File(path) => read(path).map_err(|error| Failure::read(&error)),
-            Self::Builtin => Ok(MeshFile { mesh: default_fixture().mesh(), uv: None, notes: ReadNotes::default() }),
+            Self::File(path) => match MeshFormat::from_path(path) {
+                Some(MeshFormat::Gltf | MeshFormat::Glb) if !path.is_dir() => {
+                    let document = GltfDocument::read(path).map_err(failed)?;
+                    let surface = document.surface().map_err(failed)?;
+                    let materials = surface.material_of_faces();
+                    let file = MeshFile { mesh: surface.mesh, uv: surface.uv, notes: surface.notes };
+                    Ok((file, Some(Box::new(Gltf { document, materials }))))
+                }
+                _ => Ok((read(path).map_err(failed)?, None)),
+            },
+            Self::Builtin => {
+                let file = MeshFile { mesh: default_fixture().mesh(), uv: None, notes: ReadNotes::default() };
+                Ok((file, None))
+            }
         }
     }
+}
+
+/// A glTF document, to be written with other UVs.
+#[derive(Debug)]
+pub(crate) struct Gltf {
+    /// Everything in it.
+    pub(crate) document: GltfDocument,
+    /// The material of every face of its surface.
+    pub(crate) materials: Vec<u32>,
 }
 
 fn default_fixture() -> Fixture {

@@ -25,7 +25,8 @@ impl TightBox {
         let edges = hull.iter().zip(hull.iter().cycle().skip(1)).map(|(a, b)| b - a);
         let turns = edges.filter(|edge| edge.norm() > 0.0).map(|edge| [edge.x / edge.norm(), -edge.y / edge.norm()]);
         let boxes = turns.map(|turn| Self::at(turn, &hull));
-        let tightest = boxes.fold(Self::unturned(&hull), |best, other| if other.area() < best.area() { other } else { best });
+        let tightest =
+            boxes.fold(Self::unturned(&hull), |best, other| if other.area() < best.area() { other } else { best });
         if tightest.size.x >= tightest.size.y {
             return tightest;
         }

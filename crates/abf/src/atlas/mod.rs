@@ -111,7 +111,8 @@ pub struct Placement {
 impl Placement {
     fn place(&self, p: Point2<f64>, texels_per_unit: f64, resolution: u32) -> Point2<f64> {
         let q = boxes::turned(p, self.turn);
-        let along = |x: f64, low: f64, texel: u32| ((x - low) * texels_per_unit + f64::from(texel)) / f64::from(resolution);
+        let along =
+            |x: f64, low: f64, texel: u32| ((x - low) * texels_per_unit + f64::from(texel)) / f64::from(resolution);
         Point2::new(along(q.x, self.low.x, self.texel[0]), along(q.y, self.low.y, self.texel[1]))
     }
 }
@@ -141,7 +142,8 @@ impl Atlas {
         self.check()?;
         let page_of = self.pages_of(mesh, unwrapped, materials)?;
         let pages = page_of.iter().max().map_or(0, |last| last + 1);
-        let mut boxes: Vec<TightBox> = unwrapped.charts.iter().map(|chart| TightBox::around(chart.uv.points())).collect();
+        let mut boxes: Vec<TightBox> =
+            unwrapped.charts.iter().map(|chart| TightBox::around(chart.uv.points())).collect();
         loop {
             let (texels_per_unit, texels) = packing::pack(&boxes, &page_of, self.resolution, self.margin)?;
             let placement = |i: usize| Placement {
@@ -181,15 +183,19 @@ impl Atlas {
     }
 
     /// The page of every chart, numbered by first appearance.
-    fn pages_of(&self, mesh: &TriMesh, unwrapped: &Unwrapped, materials: Option<&[u32]>) -> Result<Vec<usize>, AtlasError> {
+    fn pages_of(
+        &self,
+        mesh: &TriMesh,
+        unwrapped: &Unwrapped,
+        materials: Option<&[u32]>,
+    ) -> Result<Vec<usize>, AtlasError> {
         let keys: Vec<usize> = match self.pages {
             AtlasPages::One => vec![0; unwrapped.charts.len()],
             AtlasPages::PerComponent => unwrapped.charts.iter().map(|chart| chart.component).collect(),
             AtlasPages::PerMaterial => {
                 let faces = mesh.face_count();
                 let labels = materials.filter(|labels| labels.len() == faces);
-                let labels =
-                    labels.ok_or(AtlasError::Labels { faces, given: materials.map_or(0, <[u32]>::len) })?;
+                let labels = labels.ok_or(AtlasError::Labels { faces, given: materials.map_or(0, <[u32]>::len) })?;
                 let material = |f: &abf_mesh::FaceId| labels[f.index()] as usize;
                 unwrapped.charts.iter().map(|chart| most_frequent(chart.faces.iter().map(material))).collect()
             }

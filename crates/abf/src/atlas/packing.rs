@@ -55,7 +55,8 @@ pub(super) fn pack(
 fn place(boxes: &[TightBox], pages: &[Vec<usize>], scale: f64, side: u32, margin: u32) -> Option<Vec<[u32; 2]>> {
     /// A box that is a hair wider than its texels is not given another one.
     const HAIR: f64 = 1e-6;
-    let texels = |length: f64| ((length * scale - HAIR).ceil().clamp(1.0, f64::from(i32::MAX / 2)) as i32) + margin as i32;
+    let texels =
+        |length: f64| ((length * scale - HAIR).ceil().clamp(1.0, f64::from(i32::MAX / 2)) as i32) + margin as i32;
     let mut out = vec![[0; 2]; boxes.len()];
     for page in pages {
         let sizes = page.iter().map(|&i| (texels(boxes[i].size.y), texels(boxes[i].size.x), i));
@@ -83,8 +84,10 @@ mod tests {
 
     #[test]
     fn boxes_keep_their_distance_and_fill_most_of_the_page() {
-        let sizes: Vec<[f64; 2]> =
-            (1..40).map(|i| [1.0 + f64::from(i * 7 % 11), 0.5 + f64::from(i * 5 % 7)]).map(|[a, b]| [a.max(b), a.min(b)]).collect();
+        let sizes: Vec<[f64; 2]> = (1..40)
+            .map(|i| [1.0 + f64::from(i * 7 % 11), 0.5 + f64::from(i * 5 % 7)])
+            .map(|[a, b]| [a.max(b), a.min(b)])
+            .collect();
         let boxes = boxes(&sizes);
         let (scale, texels) = pack(&boxes, &vec![0; boxes.len()], 1024, 4).expect("they fit");
         let rectangle = |i: usize| {

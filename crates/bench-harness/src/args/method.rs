@@ -221,7 +221,7 @@ impl fmt::Display for InnerAccuracy {
 }
 
 /// A parser that takes exactly these names and lists them when it gets another.
-fn one_of<T, const N: usize>(names: [&'static str; N]) -> impl TypedValueParser<Value = T>
+pub(super) fn one_of<T, const N: usize>(names: [&'static str; N]) -> impl TypedValueParser<Value = T>
 where
     T: FromStr + Clone + Send + Sync + 'static,
     T::Err: Into<Box<dyn std::error::Error + Send + Sync>> + Send + Sync + 'static,

@@ -1,9 +1,11 @@
 //! The command line as it is typed.
 
+mod charts;
 mod method;
 
 use abf::SolverKind;
 use abf_shapes::Shape;
+pub(crate) use charts::{ChartArgs, SeamsFrom};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
 use method::MOST_THREADS;
@@ -83,7 +85,7 @@ pub(crate) enum Command {
 /// The arguments of flattening.
 #[derive(Debug, clap::Args)]
 pub(crate) struct FlattenArgs {
-    /// The meshes: obj, off, ply or stl. None: the built-in face of 20 000 triangles
+    /// The meshes: obj, off, ply, stl, gltf or glb. None: the built-in face of 20 000 triangles
     #[arg(value_name = "MESH")]
     pub(crate) meshes: Vec<PathBuf>,
     /// The method: auto (linabf, abf-fixed-target, barrier, descent in turn, until a result is proved valid), linabf, abf,
@@ -93,7 +95,10 @@ pub(crate) struct FlattenArgs {
     /// Its settings.
     #[command(flatten)]
     pub(crate) method: MethodArgs,
-    /// Write the mesh with its UVs: obj or ply
+    /// How it becomes charts.
+    #[command(flatten)]
+    pub(crate) charts: ChartArgs,
+    /// Write the mesh with its UVs: obj, ply, glb or gltf; an obj or glTF input is kept as it was but for them
     #[arg(short, long, value_name = "FILE", help_heading = "Outputs")]
     pub(crate) output: Option<PathBuf>,
     /// Write the results as JSON; with - to stdout, and the table goes to stderr
@@ -148,7 +153,7 @@ pub(crate) struct CompareArgs {
 /// The arguments of `survey`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SurveyArgs {
-    /// Folders: every obj, off, ply and stl below them; and meshes
+    /// Folders: every obj, off, ply, stl, gltf and glb below them; and meshes
     #[arg(value_name = "DIR|MESH", required = true)]
     pub(crate) meshes: Vec<PathBuf>,
     /// Leave out the folders inside the folders
@@ -160,6 +165,9 @@ pub(crate) struct SurveyArgs {
     /// Its settings.
     #[command(flatten)]
     pub(crate) method: MethodArgs,
+    /// Refuse meshes that are no disks, instead of making charts of them
+    #[arg(long)]
+    pub(crate) disks_only: bool,
     /// How many meshes at a time; the results are the same for any number [default: one per core]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=MOST_THREADS))]
     pub(crate) jobs: Option<u16>,

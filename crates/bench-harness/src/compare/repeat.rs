@@ -27,7 +27,7 @@ pub(super) fn repeated(loaded: &Loaded, method: &Method, runs: Runs, cancel: &Ca
             }
         }
     }
-    let mut first = flatten(loaded, method, runs.with_curves, cancel);
+    let mut first = flatten(loaded, method, None, runs.with_curves, cancel);
     if first.record.error.is_some() || first.record.is_cancelled() {
         return first;
     }

@@ -1,5 +1,6 @@
 //! What is known about one result: the one source of every table and of the JSON.
 
+mod atlas;
 mod quality;
 mod run;
 mod settings;
@@ -10,6 +11,7 @@ use crate::errors::Failure;
 use crate::methods::NotRun;
 use abf::KktCounts;
 use abf_mesh::{Topology, TriMesh};
+pub(crate) use atlas::{Atlas, Charted};
 pub(crate) use quality::Quality;
 pub(crate) use run::{Run, Rung};
 use serde::{Serialize, Serializer};
@@ -37,6 +39,9 @@ pub(crate) struct Record {
     /// What the solver and the layout did.
     #[serde(flatten)]
     pub(crate) run: Option<Run>,
+    /// The charts, where the mesh was cut into some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) atlas: Option<Atlas>,
     /// How valid and how distorted the UVs are.
     #[serde(flatten)]
     pub(crate) quality: Option<Quality>,
@@ -151,7 +156,7 @@ impl Outcome {
 impl Record {
     /// How it went. A solver that was left out did nothing wrong.
     pub(crate) fn outcome(&self) -> Outcome {
-        let as_asked = self.run.as_ref().is_none_or(|run| run.termination.is_as_asked());
+        let as_asked = self.termination().is_none_or(abf::Termination::is_as_asked);
         let valid = self.quality.as_ref().is_some_and(|quality| quality.valid) || self.not_run.is_some();
         match &self.error {
             Some(failure) if !failure.is_cancelled() => Outcome::Failed,
@@ -166,14 +171,20 @@ impl Record {
             return format!("not run: {}", not_run.kind);
         }
         let valid = self.quality.as_ref().is_some_and(|quality| quality.valid);
-        let termination = self.run.as_ref().map(|run| run.termination.to_string());
+        let termination = self.termination().map(|end| end.to_string());
         result_word(self.error.as_ref().map(|failure| failure.kind), termination.as_deref(), valid)
+    }
+
+    /// How the solver ended; of several charts, on the first that did not go as asked.
+    pub(crate) fn termination(&self) -> Option<abf::Termination> {
+        let of_charts = || self.atlas.as_ref().and_then(Atlas::termination);
+        self.run.as_ref().map(|run| run.termination).or_else(of_charts)
     }
 
     /// Whether the user stopped it.
     pub(crate) fn is_cancelled(&self) -> bool {
-        let ended = self.run.as_ref().map(|run| run.termination);
-        ended == Some(abf::Termination::Cancelled) || self.error.as_ref().is_some_and(Failure::is_cancelled)
+        self.termination() == Some(abf::Termination::Cancelled)
+            || self.error.as_ref().is_some_and(Failure::is_cancelled)
     }
 }
 

@@ -10,6 +10,12 @@ pub(crate) struct Timings {
     /// From the mesh to its UVs; the medians of several runs.
     #[serde(flatten)]
     pub(crate) stages: Stages,
+    /// Repairing, cutting, flattening and certifying charts.
+    #[serde(skip_serializing_if = "is_nothing")]
+    pub(crate) charts: f64,
+    /// Packing them, and judging the whole.
+    #[serde(skip_serializing_if = "is_nothing")]
+    pub(crate) atlas: f64,
     /// Proving what the UVs are; part of `metrics` where a file is judged.
     pub(crate) certificate: f64,
     /// Judging the UVs.
@@ -18,6 +24,11 @@ pub(crate) struct Timings {
     pub(crate) write: f64,
     /// All of it, from beginning to end. Pictures come after.
     pub(crate) total: f64,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_nothing(seconds: &f64) -> bool {
+    *seconds == 0.0
 }
 
 /// Where the time from the mesh to its UVs went, in seconds.

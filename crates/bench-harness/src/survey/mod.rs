@@ -154,7 +154,7 @@ fn within(budget: &Budget, source: &Source, survey: &Survey, cancel: &Cancel) ->
         drop(share);
         let _share = budget.wait_for(needed);
         loaded = Loaded::read_quietly(source, limit, cancel)?;
-        return Ok(run::flatten(&loaded, &survey.method, false, cancel).record);
+        return Ok(run::flatten(&loaded, &survey.method, survey.charting.as_ref(), false, cancel).record);
     }
-    Ok(run::flatten(&loaded, &survey.method, false, cancel).record)
+    Ok(run::flatten(&loaded, &survey.method, survey.charting.as_ref(), false, cancel).record)
 }

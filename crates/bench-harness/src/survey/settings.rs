@@ -1,6 +1,7 @@
 //! What was meant by a survey: the arguments, checked before any file is read.
 
-use crate::args::{SolverChoice, SurveyArgs};
+use crate::args::{ChartArgs, SolverChoice, SurveyArgs};
+use crate::charting::Charting;
 use crate::meshes::Depth;
 use crate::methods::{Method, methods, usage};
 use crate::settings::{JsonTarget, check_distinct};
@@ -19,6 +20,8 @@ pub(crate) struct Survey {
     pub(super) depth: Depth,
     /// How to flatten.
     pub(super) method: Method,
+    /// How to make charts of what is no disk; `None`: refuse it.
+    pub(super) charting: Option<Charting>,
     /// How many meshes at a time; at least one.
     pub(super) jobs: usize,
     /// Whether to go on with what is there.
@@ -43,14 +46,15 @@ impl Survey {
         check_distinct(&[("--json", file)], &args.meshes)?;
         let depth = if args.flat { Depth::Inside } else { Depth::Below };
         let jobs = args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, Into::into), usize::from);
-        Ok(Self { meshes: args.meshes, depth, method, jobs, resume: args.resume, json })
+        let charting = if args.disks_only { None } else { Some(Charting::new(ChartArgs::default(), None)?) };
+        Ok(Self { meshes: args.meshes, depth, method, charting, jobs, resume: args.resume, json })
     }
 
     /// The settings that results depend on, for comparing: two surveys with the same text agree. How many
     /// threads and jobs there are makes no difference, and what was refused for want of memory is tried again anyway.
     pub(super) fn settings(&self) -> String {
         let pipeline = Pipeline { max_memory: None, ..self.method.pipeline };
-        format!("{} {pipeline:?}", env!("CARGO_PKG_VERSION"))
+        format!("{} {pipeline:?} {:?}", env!("CARGO_PKG_VERSION"), self.charting)
     }
 
     /// The log of finished meshes, beside the results; `None` where these go to no file.

@@ -20,9 +20,15 @@ pub(crate) fn in_full(record: &Record) -> String {
     if let (Some(run), Some(solver)) = (&record.run, record.solver) {
         lines.extend(run_lines(solver, run));
     }
+    if let (Some(atlas), Some(solver)) = (&record.atlas, record.solver) {
+        lines.extend(super::atlas::lines(solver, atlas));
+    }
     if let Some(quality) = &record.quality {
         lines.push(("valid", valid_line(quality)));
         lines.push(("injective", injective_line(quality.metrics())));
+        if quality.metrics().charts > 1 && record.atlas.is_none() {
+            lines.push(("charts", quality.metrics().charts.to_string()));
+        }
         lines.extend(distortion_lines(quality.metrics()));
     }
     lines.extend(record.kkt.map(|kkt| ("KKT matrix", kkt_line(kkt))));
@@ -224,9 +230,6 @@ fn distortion_lines(m: &Metrics) -> Vec<(&'static str, String)> {
         ("stretch", format!("L2 {}, L∞ {}", significant(m.stretch_l2, DIGITS + 1), figure(m.stretch_linf))),
         ("area error", format!("L2 of the logarithm {}", figure(m.area_l2))),
     ];
-    if m.charts > 1 {
-        lines.push(("charts", m.charts.to_string()));
-    }
     if m.degenerate_3d > 0 {
         let one = "triangle without area on the surface, not in these figures";
         let many = "triangles without area on the surface, not in these figures";
@@ -241,6 +244,8 @@ fn time_line(t: &Timings) -> String {
         ("topology", t.stages.topology),
         ("solve", t.stages.solve),
         ("layout", t.stages.layout),
+        ("charts", t.charts),
+        ("atlas", t.atlas),
         ("certificate", t.certificate),
         ("metrics", t.metrics),
         ("write", t.write),

@@ -1,5 +1,6 @@
 //! Records as tables. The columns are defined once; each format supplies its row.
 
+mod atlas;
 mod cell;
 mod columns;
 mod format;

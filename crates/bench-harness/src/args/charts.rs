@@ -1,0 +1,108 @@
+//! The options of seams, holes and the atlas.
+
+use super::method::one_of;
+use abf::{AtlasPages, HoleRule};
+use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+const CHARTS: &str = "Options of charts (for meshes that are no disks, or when one of these is given)";
+
+/// How meshes become charts, and charts an atlas. What was not given is `None`.
+#[derive(Debug, Default, clap::Args)]
+pub(crate) struct ChartArgs {
+    /// Where seams come from: found where the map stretches; those of the UVs the file has; or those and the borders of its
+    /// groups and materials [default: auto]
+    #[arg(long, value_name = "auto|keep|file", value_parser = one_of::<SeamsFrom, _>(SeamsFrom::ALL.map(SeamsFrom::name)), help_heading = CHARTS)]
+    pub(crate) seams: Option<SeamsFrom>,
+    /// What becomes of holes: closed while the angles are solved for, joined by seams, or left to least squares
+    /// [default: fill]
+    #[arg(long, value_name = "RULE", value_parser = one_of::<HoleRule, _>(["fill", "fill-fan", "fill-ears", "cut", "free"]), help_heading = CHARTS)]
+    pub(crate) holes: Option<HoleRule>,
+    /// Seams grow until the L² stretch is at most S [default: 1.1]
+    #[arg(long, value_name = "S", help_heading = CHARTS)]
+    pub(crate) max_stretch: Option<f64>,
+    /// Or until they are L times as long as the diagonal of the component [default: no limit]
+    #[arg(long, value_name = "L", help_heading = CHARTS)]
+    pub(crate) max_seam: Option<f64>,
+    /// Cut disks further, too, where their stretch is above --max-stretch
+    #[arg(long, help_heading = CHARTS)]
+    pub(crate) cut_disks: bool,
+    /// Refuse meshes that need repair, and faces without area
+    #[arg(long, help_heading = CHARTS)]
+    pub(crate) strict: bool,
+    /// Which charts share a unit square [default: one]
+    #[arg(long, value_name = "PAGES", value_parser = one_of::<AtlasPages, _>(AtlasPages::ALL.map(AtlasPages::name)), help_heading = CHARTS)]
+    pub(crate) atlas: Option<AtlasPages>,
+    /// Texels along a side of the atlas, for the margin [default: 1024]
+    #[arg(long, value_name = "N", help_heading = CHARTS)]
+    pub(crate) resolution: Option<u32>,
+    /// Texels between charts [default: 2]
+    #[arg(long, value_name = "N", help_heading = CHARTS)]
+    pub(crate) margin: Option<u32>,
+    /// Write the seams as lines: obj
+    #[arg(long, value_name = "FILE", help_heading = CHARTS)]
+    pub(crate) seam_lines: Option<PathBuf>,
+    /// Write from which vertex of a glTF input every vertex of the output is, as JSON
+    #[arg(long, value_name = "FILE", help_heading = CHARTS)]
+    pub(crate) remap: Option<PathBuf>,
+    /// Replace the texture coordinates that a glTF input has, instead of adding a set
+    #[arg(long, help_heading = CHARTS)]
+    pub(crate) overwrite: bool,
+}
+
+impl ChartArgs {
+    /// Whether charts are asked for, whatever the mesh is.
+    pub(crate) fn is_asked(&self) -> bool {
+        let Self { seams, holes, max_stretch, max_seam, cut_disks, strict, atlas, resolution, margin, .. } = self;
+        seams.is_some()
+            || holes.is_some()
+            || max_stretch.is_some()
+            || max_seam.is_some()
+            || *cut_disks
+            || *strict
+            || atlas.is_some()
+            || resolution.is_some()
+            || margin.is_some()
+            || self.seam_lines.is_some()
+            || self.remap.is_some()
+    }
+}
+
+/// Where seams come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum SeamsFrom {
+    /// The shape and the stretch.
+    #[default]
+    Auto,
+    /// The UVs of the file.
+    Keep,
+    /// The UVs, groups and materials of the file.
+    File,
+}
+
+impl SeamsFrom {
+    const ALL: [Self; 3] = [Self::Auto, Self::Keep, Self::File];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Keep => "keep",
+            Self::File => "file",
+        }
+    }
+}
+
+impl fmt::Display for SeamsFrom {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for SeamsFrom {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|from| from.name() == s).ok_or_else(|| format!("'{s}' is no source of seams"))
+    }
+}

@@ -1,0 +1,181 @@
+//! What was meant by charts: the options, checked, and what they make of a mesh.
+
+use crate::args::{ChartArgs, SeamsFrom};
+use crate::errors::Failure;
+use crate::load::Loaded;
+use crate::methods::usage;
+use crate::record::{Atlas as AtlasRecord, Charted};
+use abf::cut::RepairReport;
+use abf::{Atlas, Observer, Packed, Pipeline, Precision, SeamRule, Stored, SurfaceHints, Unwrap, Unwrapped};
+use abf_mesh::TriMesh;
+use abf_mesh::io::{MeshFormat, stored_uv};
+use clap::error::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// How meshes become charts, and charts an atlas.
+#[derive(Clone, Debug)]
+pub(crate) struct Charting {
+    unwrap: Unwrap,
+    atlas: Atlas,
+    seams: SeamsFrom,
+    /// Whether disks are made charts, too.
+    is_asked: bool,
+    /// Where the seams go.
+    pub(crate) seam_lines: Option<PathBuf>,
+    /// Where the remap of vertices goes.
+    pub(crate) remap: Option<PathBuf>,
+    /// Whether texture coordinates may be replaced.
+    pub(crate) overwrite: bool,
+    /// Whether the output is a glTF, which stores 32 bits.
+    to_gltf: bool,
+}
+
+/// Charts in an atlas, and what there is to say of them.
+#[derive(Debug)]
+pub(crate) struct Charts {
+    pub(crate) packed: Packed,
+    pub(crate) record: AtlasRecord,
+    /// The ends of every edge that is a seam.
+    pub(crate) seams: Vec<[abf_mesh::VertexId; 2]>,
+    /// How long it took to make them, without the packing, seconds.
+    pub(crate) charts_s: f64,
+}
+
+impl Charting {
+    /// Checks the options.
+    ///
+    /// # Errors
+    /// A usage error that names the option and its range.
+    pub(crate) fn new(args: ChartArgs, output: Option<&Path>) -> Result<Self, clap::Error> {
+        let is_asked = args.is_asked();
+        let (unwrap, atlas) = (Unwrap::default(), Atlas::default());
+        let wrong = |message: String| Err(usage(ErrorKind::ValueValidation, message));
+        if let Some(stretch) = args.max_stretch.filter(|s| !(*s >= 1.0)) {
+            return wrong(format!("--max-stretch must be at least 1, got {stretch}"));
+        }
+        if let Some(length) = args.max_seam.filter(|l| !(*l >= 0.0)) {
+            return wrong(format!("--max-seam must be at least 0, got {length}"));
+        }
+        let resolution = args.resolution.unwrap_or(atlas.resolution);
+        if !(1..=Atlas::MAX_RESOLUTION).contains(&resolution) {
+            return wrong(format!("--resolution must be in 1..={}, got {resolution}", Atlas::MAX_RESOLUTION));
+        }
+        let margin = args.margin.unwrap_or(atlas.margin.min(resolution / 4));
+        if margin > resolution / 4 {
+            return wrong(format!("--margin must be at most a quarter of --resolution {resolution}, got {margin}"));
+        }
+        for (option, path, extension) in [("--seam-lines", &args.seam_lines, "obj"), ("--remap", &args.remap, "json")] {
+            if let Some(path) = path.as_ref().filter(|path| !has_extension(path, extension)) {
+                return wrong(format!("{option} {}: the name must end in .{extension}", path.display()));
+            }
+        }
+        let seams = args.seams.unwrap_or_default();
+        let rule = if seams == SeamsFrom::Auto { SeamRule::Auto } else { SeamRule::Keep };
+        let format = output.and_then(MeshFormat::from_path);
+        Ok(Self {
+            unwrap: Unwrap {
+                seams: rule,
+                holes: args.holes.unwrap_or(unwrap.holes),
+                max_stretch: args.max_stretch.unwrap_or(unwrap.max_stretch),
+                max_seam: args.max_seam,
+                cut_disks: args.cut_disks,
+                strict: args.strict,
+                ..unwrap
+            },
+            atlas: Atlas { pages: args.atlas.unwrap_or(atlas.pages), resolution, margin },
+            seams,
+            is_asked,
+            seam_lines: args.seam_lines,
+            remap: args.remap,
+            overwrite: args.overwrite,
+            to_gltf: matches!(format, Some(MeshFormat::Glb | MeshFormat::Gltf)),
+        })
+    }
+
+    /// Whether this mesh is made charts even if it is a disk: textures want UVs in the unit square.
+    pub(crate) fn is_for(&self, loaded: &Loaded) -> bool {
+        self.is_asked || self.to_gltf || loaded.is_gltf()
+    }
+
+    /// Makes charts and an atlas of a mesh.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub(crate) fn run(
+        &self,
+        loaded: &Loaded,
+        pipeline: &Pipeline,
+        observer: &mut (dyn Observer + Send),
+    ) -> Result<Charts, Failure> {
+        let begin = Instant::now();
+        let mesh = &loaded.mesh;
+        let known = loaded.known_of_faces(self.seams == SeamsFrom::File)?;
+        let keeps = self.seams != SeamsFrom::Auto;
+        let hints = SurfaceHints {
+            uv: loaded.uv.as_ref().filter(|_| keeps),
+            face_labels: known.labels.as_deref().filter(|_| keeps),
+            forbidden: known.forbidden.as_deref(),
+        };
+        if keeps && hints.uv.is_none() && hints.face_labels.is_none() {
+            return Err(Failure::no_seams(&loaded.name));
+        }
+        let unwrap = Unwrap { pipeline: Pipeline { normalize: false, ..*pipeline }, ..self.unwrap };
+        let unwrapped =
+            unwrap.run(mesh, &hints, observer).map_err(|e| Failure::unwrap(&loaded.name, &e, loaded.fanned))?;
+        let charts_s = begin.elapsed().as_secs_f64();
+        let stored: (Stored, Precision) = match (self.to_gltf, pipeline.precision) {
+            (true, _) => (stored_uv, Precision::Single),
+            (false, Precision::Single) => (|p| p.map(|x| Precision::Single.round(x)), Precision::Single),
+            (false, Precision::Double) => (|p| p, Precision::Double),
+        };
+        let packed = self.atlas.pack(mesh, &unwrapped, known.materials.as_deref(), stored);
+        let packed = packed.map_err(|error| Failure::atlas(&loaded.name, &error))?;
+        let record = self.record(&unwrapped, &packed);
+        Ok(Charts { packed, record, seams: unwrapped.seams, charts_s })
+    }
+
+    fn record(&self, unwrapped: &Unwrapped, packed: &Packed) -> AtlasRecord {
+        let repairs: &RepairReport = &unwrapped.repairs;
+        AtlasRecord {
+            charts: unwrapped
+                .charts
+                .iter()
+                .zip(&packed.placements)
+                .map(|(chart, at)| Charted::new(chart, at))
+                .collect(),
+            pages: packed.pages,
+            resolution: self.atlas.resolution,
+            margin: self.atlas.margin,
+            texels_per_unit: packed.texels_per_unit,
+            coverage: packed.coverage,
+            seam_edges: unwrapped.seams.len(),
+            seam_length: unwrapped.seam_length,
+            diagonal: unwrapped.diagonal,
+            max_stretch: self.unwrap.max_stretch,
+            repairs: repairs.sentences(),
+        }
+    }
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
+}
+
+/// The seams as an OBJ of lines.
+pub(crate) fn seam_lines(mesh: &TriMesh, seams: &[[abf_mesh::VertexId; 2]]) -> String {
+    use std::collections::BTreeMap;
+    use std::fmt::Write;
+    let mut number: BTreeMap<_, usize> = seams.iter().flatten().map(|&v| (v, 0)).collect();
+    let mut out = String::new();
+    // Writing to a string cannot fail.
+    for (i, (v, n)) in number.iter_mut().enumerate() {
+        *n = i + 1;
+        let p = mesh.positions()[v.index()];
+        let _ = writeln!(out, "v {:?} {:?} {:?}", p.x, p.y, p.z);
+    }
+    for [a, b] in seams {
+        let _ = writeln!(out, "l {} {}", number[a], number[b]);
+    }
+    out
+}

@@ -1,0 +1,98 @@
+//! What became of a mesh that was cut into charts.
+
+use abf::{Placement, Termination, UnwrappedChart};
+use serde::Serialize;
+
+/// The charts of a mesh and their atlas.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Atlas {
+    /// Each chart.
+    pub(crate) charts: Vec<Charted>,
+    /// How many unit squares they are in.
+    pub(crate) pages: usize,
+    /// Texels along a side of a page.
+    pub(crate) resolution: u32,
+    /// Texels between charts.
+    pub(crate) margin: u32,
+    /// Texels per unit of the mesh, the same in all charts.
+    pub(crate) texels_per_unit: f64,
+    /// The part of the pages that charts cover.
+    pub(crate) coverage: f64,
+    /// How many edges are seams.
+    pub(crate) seam_edges: usize,
+    /// Their length.
+    pub(crate) seam_length: f64,
+    /// The diagonal of the bounding box, to compare that with.
+    pub(crate) diagonal: f64,
+    /// The L² stretch aimed at.
+    pub(crate) max_stretch: f64,
+    /// What was repaired, in words.
+    pub(crate) repairs: Vec<String>,
+}
+
+/// One chart.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Charted {
+    /// The component it is of, counted from 0.
+    pub(crate) component: usize,
+    /// Its page, counted from 0.
+    pub(crate) page: usize,
+    /// How many triangles it has.
+    pub(crate) triangles: usize,
+    /// Whose result it is.
+    #[serde(serialize_with = "super::as_text")]
+    pub(crate) solved_by: abf::SolverKind,
+    /// How the solver ended.
+    #[serde(serialize_with = "super::as_text")]
+    pub(crate) termination: Termination,
+    /// No triangle flipped, none collapsed, no vertex wound around.
+    pub(crate) valid: bool,
+    /// Valid, and no overlap.
+    pub(crate) injective: bool,
+    /// `F / 3nt`.
+    pub(crate) f: f64,
+    /// L² stretch.
+    pub(crate) stretch_l2: f64,
+    /// The length of its seams.
+    pub(crate) seam_length: f64,
+    /// Flattenings it took to find its seams.
+    pub(crate) rounds: usize,
+    /// Holes that were closed while it was flattened.
+    pub(crate) holes_filled: usize,
+    /// The largest difference between an angle of the UVs and the one solved for, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) layout_error: Option<f64>,
+}
+
+impl Charted {
+    pub(crate) fn new(chart: &UnwrappedChart, placement: &Placement) -> Self {
+        Self {
+            component: chart.component,
+            page: placement.page,
+            triangles: chart.faces.len(),
+            solved_by: chart.solver,
+            termination: chart.termination,
+            valid: chart.metrics.valid(),
+            injective: chart.metrics.injective(),
+            f: chart.metrics.f,
+            stretch_l2: chart.metrics.stretch_l2,
+            seam_length: chart.seam_length,
+            rounds: chart.rounds,
+            holes_filled: chart.holes_filled,
+            layout_error: chart.layout_error,
+        }
+    }
+}
+
+impl Atlas {
+    /// How the charts ended: as the first that did not end as asked, else as the first.
+    pub(crate) fn termination(&self) -> Option<Termination> {
+        let all = || self.charts.iter().map(|chart| chart.termination);
+        all().find(|end| !end.is_as_asked()).or_else(|| all().next())
+    }
+
+    /// How many holes were closed.
+    pub(crate) fn holes_filled(&self) -> usize {
+        self.charts.iter().map(|chart| chart.holes_filled).sum()
+    }
+}
