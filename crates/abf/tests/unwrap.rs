@@ -81,7 +81,7 @@ fn check(unwrapped: &Unwrapped, mesh: &TriMesh) {
 
 #[test]
 fn a_clean_disk_comes_out_as_the_pipeline_flattens_it() {
-    let disk = Shape::ALL[0].mesh(400);
+    let disk = Shape::Mask.mesh(400);
     let unwrapped = unwrap(&disk);
     let flat = Pipeline::default().run(&disk, &mut Silent).expect("a flattening");
     assert_eq!(unwrapped.uv(), flat.uv);
@@ -142,7 +142,7 @@ fn components_are_charts_of_their_own_and_are_put_where_asked() {
 
 #[test]
 fn dropped_faces_go_with_their_twins_and_turned_ones_keep_their_corners() {
-    let disk = Shape::ALL[0].mesh(200);
+    let disk = Shape::Mask.mesh(200);
     let clean = unwrap(&disk).uv();
     let mut faces = indices(&disk);
     let [a, b, c] = faces[7];
@@ -185,7 +185,7 @@ fn a_strict_run_refuses_what_it_would_have_to_repair() {
 
 #[test]
 fn holes_are_filled_cut_or_left() {
-    let disk = Shape::ALL[0].mesh(800);
+    let disk = Shape::Mask.mesh(800);
     let topology = Topology::build(disk.vertex_count(), disk.faces()).expect("a manifold");
     // A hole around an interior vertex whose ring is inside, too.
     let is_inner = |v: VertexId| topology.fan(v).all(|c| topology.is_interior(topology.vertex(c.next())));

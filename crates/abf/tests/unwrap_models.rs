@@ -99,7 +99,7 @@ fn our_cuts_of_closed_models_stand_beside_the_papers() {
     );
     for (name, paper, paper_stretch) in PUBLISHED {
         let mesh = read(&folder, &format!("raw/{name}.obj"));
-        for max_stretch in [1.2, 1.15, Unwrap::default().max_stretch] {
+        for max_stretch in [1.2, 1.15, 1.1] {
             let start = Instant::now();
             let unwrapped = unwrap(&Unwrap { max_stretch, ..Unwrap::default() }, &mesh);
             let seconds = start.elapsed().as_secs_f64();

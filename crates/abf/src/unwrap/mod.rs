@@ -65,12 +65,12 @@ impl Default for Unwrap {
             seams: SeamRule::Auto,
             holes: HoleRule::default(),
             costs: CostSettings::default(),
-            max_stretch: 1.1,
+            max_stretch: 1.15,
             max_seam: None,
             max_rounds: 40,
             terminals: 3,
             spacing: 0.15,
-            reach: 0.02,
+            reach: 0.0,
             part_overlaps: true,
             cut_disks: false,
             strict: false,
@@ -274,7 +274,6 @@ impl FromStr for SeamRule {
 impl fmt::Display for HoleRule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Fill(filling) if *filling == HoleFilling::default() => f.write_str("fill"),
             Self::Fill(filling) => write!(f, "fill-{filling}"),
             Self::Cut => f.write_str("cut"),
             Self::Free => f.write_str("free"),

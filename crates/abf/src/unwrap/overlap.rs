@@ -3,7 +3,7 @@
 use super::component::Finished;
 use super::finish::excerpt;
 use crate::FlattenError;
-use abf_mesh::{FaceId, TriMesh, UvMap};
+use abf_mesh::{FaceId, TriMesh, UvId, UvMap, Vector2, VertexId};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -43,7 +43,7 @@ pub(super) fn take_apart(mesh: &TriMesh, whole: Finished) -> Result<Vec<Finished
 
 fn part_of(mesh: &TriMesh, chart: &Finished, in_mesh: &[FaceId], places: &[usize]) -> Result<Finished, FlattenError> {
     // The mesh of the chart: its faces in its own order.
-    let faces: Vec<[usize; 3]> = in_mesh.iter().map(|f| mesh.faces()[f.index()].map(|v| v.index())).collect();
+    let faces: Vec<[usize; 3]> = in_mesh.iter().map(|f| mesh.faces()[f.index()].map(VertexId::index)).collect();
     let of_chart = TriMesh::new(mesh.positions().to_vec(), &faces)?;
     let kept: Vec<FaceId> = places.iter().map(|&f| FaceId::new(f)).collect();
     let (uv, metrics) = excerpt(&of_chart, &chart.uv, &chart.metrics.certificate, &kept, chart.layout.scaled)?;
@@ -55,7 +55,7 @@ fn part_of(mesh: &TriMesh, chart: &Finished, in_mesh: &[FaceId], places: &[usize
 fn nearer_to_the_other(uv: &UvMap, one: FaceId, other: FaceId) -> Vec<bool> {
     let neighbours = neighbours(uv);
     let middle =
-        |f: usize| uv.triangle(FaceId::new(f)).iter().fold(abf_mesh::Vector2::zeros(), |sum, p| sum + p.coords);
+        |f: usize| uv.triangle(FaceId::new(f)).iter().fold(Vector2::zeros(), |sum, p| sum + p.coords);
     let mut distance = vec![f64::INFINITY; neighbours.len()];
     let mut is_others = vec![false; neighbours.len()];
     let mut heap = BinaryHeap::new();
@@ -84,7 +84,7 @@ fn nearer_to_the_other(uv: &UvMap, one: FaceId, other: FaceId) -> Vec<bool> {
 /// For every face the faces that share two UV points with it.
 fn neighbours(uv: &UvMap) -> Vec<[Option<usize>; 3]> {
     let faces = uv.corners().as_chunks::<3>().0;
-    let mut first: HashMap<[abf_mesh::UvId; 2], (usize, usize)> = HashMap::with_capacity(3 * faces.len() / 2);
+    let mut first: HashMap<[UvId; 2], (usize, usize)> = HashMap::with_capacity(3 * faces.len() / 2);
     let mut neighbours = vec![[None; 3]; faces.len()];
     for (f, [a, b, c]) in faces.iter().enumerate() {
         for (k, [p, q]) in [[b, c], [c, a], [a, b]].into_iter().enumerate() {
