@@ -12,9 +12,7 @@ use abf_mesh::{Topology, VertexId};
 /// and so are all where there is neither seam nor boundary.
 pub fn extend(topology: &Topology, costs: &EdgeCosts, seams: &mut Seams, terminals: &[VertexId]) -> usize {
     let before = seams.len();
-    let on_seam = seams.edges(topology).flat_map(|c| ends(topology, c));
-    let on_boundary = topology.vertices().filter(|&v| topology.is_boundary(v));
-    let root = on_boundary.chain(on_seam).map(|v| (v, 0));
+    let root = cut_vertices(topology, seams).map(|v| (v, 0));
     let labelled = (1..).zip(terminals).map(|(label, &v)| (v, label));
     let front = Front::grow(topology, costs, root.chain(labelled));
     let bridges = front.bridges(topology, costs, terminals.len() + 1);
@@ -32,6 +30,19 @@ pub fn extend(topology: &Topology, costs: &EdgeCosts, seams: &mut Seams, termina
         }
     }
     seams.len() - before
+}
+
+/// The cost of the cheapest way from every vertex to a seam or the boundary; infinite where there is none.
+#[must_use]
+pub fn distances(topology: &Topology, costs: &EdgeCosts, seams: &Seams) -> Vec<f64> {
+    let front = Front::grow(topology, costs, cut_vertices(topology, seams).map(|v| (v, 0)));
+    topology.vertices().map(|v| front.distance(v)).collect()
+}
+
+/// The vertices on the boundary, then those at the ends of seams; some of them more than once.
+fn cut_vertices(topology: &Topology, seams: &Seams) -> impl Iterator<Item = VertexId> {
+    let on_seam = seams.edges(topology).flat_map(|c| ends(topology, c));
+    topology.vertices().filter(|&v| topology.is_boundary(v)).chain(on_seam)
 }
 
 #[cfg(test)]
@@ -52,6 +63,9 @@ mod tests {
         let charts = split(&mesh, &topology, &seams).expect("a chart");
         charts[0].topology.require_disk().expect("a disk");
         assert_eq!(extend(&topology, &costs, &mut seams, &[at(4, 5)]), 0);
+        let way = distances(&topology, &costs, &seams);
+        assert_eq!((way[at(0, 3).index()], way[at(4, 5).index()]), (0.0, 0.0));
+        assert_eq!(way[at(2, 5).index()], 2.0);
     }
 
     #[test]

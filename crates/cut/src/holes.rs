@@ -11,9 +11,10 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum HoleFilling {
     /// A fan around a new vertex in the middle of the rim.
-    #[default]
     Fan,
     /// Triangles between vertices of the rim, the sharpest ear first; a fan where that would make an edge that is there.
+    /// Keeps the rims of larger holes better (`docs/seams.md`).
+    #[default]
     Ears,
 }
 

@@ -34,7 +34,7 @@ mod test_support;
 pub use borders::{label_borders, uv_borders};
 pub use chart::{Chart, split};
 pub use costs::{CostSettings, EdgeCosts};
-pub use extend::extend;
+pub use extend::{distances, extend};
 pub use holes::{Filled, HoleFilling, fill, loop_length, outer_loop};
 pub use open::open;
 pub use repair::{RepairError, RepairReport, Repaired, repair};

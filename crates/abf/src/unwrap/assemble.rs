@@ -11,12 +11,14 @@ pub(super) fn unwrapped(
     input: &TriMesh,
     repaired: &Repaired,
     parts: &[Chart],
-    finished: Vec<Finished>,
+    finished: Vec<Vec<Finished>>,
     scale: f64,
     precision: Precision,
 ) -> Unwrapped {
-    let charts = finished.into_iter().zip(parts).enumerate();
-    let charts = charts.map(|(i, (finished, part))| in_input(i, finished, part, repaired, scale, precision)).collect();
+    let mut charts = Vec::new();
+    for (i, (finished, part)) in finished.into_iter().zip(parts).enumerate() {
+        charts.extend(finished.into_iter().map(|one| in_input(i, one, part, repaired, scale, precision)));
+    }
     let mut whole = Unwrapped {
         charts,
         repairs: repaired.report,
@@ -39,9 +41,10 @@ fn in_input(
     scale: f64,
     precision: Precision,
 ) -> UnwrappedChart {
-    let faces: Vec<FaceId> = part.faces.iter().map(|f| repaired.faces[f.index()]).collect();
+    let in_repaired: Vec<FaceId> = finished.faces.iter().map(|f| part.faces[f.index()]).collect();
+    let faces = in_repaired.iter().map(|f| repaired.faces[f.index()]).collect();
     let mut corners = finished.uv.corners().to_vec();
-    for (three, f) in corners.chunks_exact_mut(3).zip(&part.faces) {
+    for (three, f) in corners.chunks_exact_mut(3).zip(&in_repaired) {
         if repaired.turned[f.index()] {
             three.swap(1, 2);
         }

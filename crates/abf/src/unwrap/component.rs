@@ -1,12 +1,13 @@
 //! One component: filled, opened, and cut where the stretch is, until it is flat enough.
 
 use super::finish::finish;
+use super::overlap::take_apart;
 use super::stretch::Stretch;
 use super::{HoleRule, SeamRule, Unwrap};
 use crate::{FlattenError, LayoutReport, RungReport, SolverKind};
 use abf_constraints::AngleProblem;
-use abf_cut::{Chart, EdgeCosts, Filled, Seams, extend, fill, open, outer_loop, split};
-use abf_mesh::{CornerId, Topology, TriMesh, UvMap, VertexId};
+use abf_cut::{Chart, EdgeCosts, Filled, Seams, distances, extend, fill, open, outer_loop, split};
+use abf_mesh::{CornerId, FaceId, Topology, TriMesh, UvMap, VertexId};
 use abf_metrics::Metrics;
 use abf_reconstruct::{LayoutKind, LayoutSettings, layout};
 use abf_solve_core::{AngleSolver, Event, Observer, Stage, Termination, Verdict};
@@ -22,8 +23,11 @@ pub(super) struct Component<'c> {
 }
 
 /// A chart as it comes out, by the faces of its component.
+#[derive(Clone)]
 pub(super) struct Finished {
-    /// Corner `k` of its `i`-th face is that of face `i` of the component.
+    /// Its faces, by their numbers in the component, ascending.
+    pub(super) faces: Vec<FaceId>,
+    /// Corner `k` of its `i`-th face is corner `k` of `faces[i]`.
     pub(super) uv: UvMap,
     pub(super) metrics: Metrics,
     pub(super) solver: SolverKind,
@@ -49,16 +53,16 @@ struct Surface {
 }
 
 impl Component<'_> {
-    pub(super) fn run(&self, observer: &mut dyn Observer) -> Result<Finished, FlattenError> {
+    pub(super) fn run(&self, observer: &mut dyn Observer) -> Result<Vec<Finished>, FlattenError> {
         let part = self.part;
         let is_disk = part.topology.require_disk().is_ok();
         if is_disk && !self.settings.cut_disks {
             let flat = self.pipeline().run(&part.mesh, observer)?;
-            return finish(part, part.mesh.face_count(), flat);
+            return Ok(vec![finish(part, part.mesh.face_count(), flat)?]);
         }
         if self.settings.holes == HoleRule::Free && is_planar_with_holes(&part.topology) {
             let flat = self.pipeline().run_unclosed(&part.mesh, observer)?;
-            return finish(part, part.mesh.face_count(), flat);
+            return Ok(vec![finish(part, part.mesh.face_count(), flat)?]);
         }
         let mut surface = self.surface()?;
         let rounds = self.cut_where_stretched(&mut surface, observer)?;
@@ -66,7 +70,8 @@ impl Component<'_> {
         let real = surface.real;
         let virtual_faces = surface.mesh.face_count() - real;
         let holes_filled = surface.holes_filled;
-        Ok(Finished { rounds: rounds + more, holes_filled, virtual_faces, ..finish(&chart, real, flat)? })
+        let whole = Finished { rounds: rounds + more, holes_filled, virtual_faces, ..finish(&chart, real, flat)? };
+        if self.settings.part_overlaps { take_apart(&chart.mesh, whole) } else { Ok(vec![whole]) }
     }
 
     /// The settings for one chart: its scale is that of the surface.
@@ -131,14 +136,17 @@ impl Component<'_> {
 
     /// Joins the places of largest stretch to the seam; `false` when there is nothing to join, or the seam is long enough.
     fn cut_further(&self, surface: &mut Surface, stretch: &Stretch) -> bool {
-        let Unwrap { terminals, spacing, max_seam, .. } = *self.settings;
+        let Unwrap { terminals, spacing, reach, max_seam, .. } = *self.settings;
         let is_long =
             |surface: &Surface| max_seam.is_some_and(|limit| surface.seam_length() >= limit * surface.diagonal);
         if is_long(surface) {
             return false;
         }
-        let terminals = stretch.largest(&surface.mesh, terminals, spacing * surface.diagonal);
-        extend(&surface.topology, &surface.costs, &mut surface.seams, &terminals) > 0
+        let Surface { mesh, topology, costs, diagonal, seams, .. } = surface;
+        let way = distances(topology, costs, seams);
+        let may_be = |v: VertexId| way[v.index()] > reach * *diagonal && way[v.index()].is_finite();
+        let peaks = stretch.peaks(mesh, terminals, spacing * *diagonal, may_be);
+        extend(topology, costs, seams, &peaks) > 0
     }
 
     /// Two passes of LinABF and least squares: near enough to see where the stretch is.

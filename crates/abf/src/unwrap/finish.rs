@@ -3,30 +3,22 @@
 use super::component::Finished;
 use crate::{FlattenError, Flattening};
 use abf_cut::Chart;
-use abf_mesh::{TriMesh, UvId, UvMap, VertexId};
-use abf_metrics::{Certificate, certify, measure_certified, per_face};
+use abf_mesh::{FaceId, TriMesh, UvId, UvMap, VertexId};
+use abf_metrics::{Certificate, Metrics, certify, measure_certified, per_face};
 use abf_solve_core::AngleSolution;
 
-/// Drops the faces from `real` on, gives the rest the area of its surface, and judges it.
+/// Of a chart that is a whole component: drops the faces from `real` on, gives the rest the area of its surface, and judges it.
 pub(super) fn finish(chart: &Chart, real: usize, flat: Flattening) -> Result<Finished, FlattenError> {
     let layout_error = layout_error(chart, real, &flat)?;
+    let faces: Vec<FaceId> = (0..real).map(FaceId::new).collect();
     let (uv, metrics) = if real == chart.mesh.face_count() {
         let metrics = measure_certified(&chart.mesh, &flat.uv, flat.certificate)?;
         (flat.uv, metrics)
     } else {
-        let faces: Vec<[usize; 3]> = chart.mesh.faces()[..real].iter().map(|face| face.map(VertexId::index)).collect();
-        let mesh = TriMesh::new(chart.mesh.positions().to_vec(), &faces)?;
-        let precision = flat.certificate.precision;
-        let uv = of_first_faces(&flat.uv, real);
-        let factor = (mesh.area() / uv.signed_area()).sqrt();
-        let factor = if factor.is_finite() && flat.layout.scaled { factor } else { 1.0 };
-        let uv = uv.mapped(|p| p.map(|x| precision.round(x * factor)));
-        let constraint_residual = flat.certificate.constraint_residual;
-        let certificate = Certificate { constraint_residual, ..certify(&mesh, &uv, precision)? };
-        let metrics = measure_certified(&mesh, &uv, certificate)?;
-        (uv, metrics)
+        excerpt(&chart.mesh, &flat.uv, &flat.certificate, &faces, flat.layout.scaled)?
     };
     Ok(Finished {
+        faces,
         uv,
         metrics,
         solver: flat.solver,
@@ -48,9 +40,30 @@ fn layout_error(chart: &Chart, real: usize, flat: &Flattening) -> Result<Option<
     Ok(Some(laid_out.zip(angles).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)))
 }
 
-/// The map of the first faces, with the points they use in their order.
-fn of_first_faces(uv: &UvMap, faces: usize) -> UvMap {
-    let corners = &uv.corners()[..3 * faces];
+/// The UVs of some of the faces, given the area of their surface if that can be, and judged.
+pub(super) fn excerpt(
+    mesh: &TriMesh,
+    uv: &UvMap,
+    certificate: &Certificate,
+    faces: &[FaceId],
+    is_scaled: bool,
+) -> Result<(UvMap, Metrics), FlattenError> {
+    let of_face = |f: &FaceId| mesh.faces()[f.index()].map(VertexId::index);
+    let part = TriMesh::new(mesh.positions().to_vec(), &faces.iter().map(of_face).collect::<Vec<_>>())?;
+    let uv = of_faces(uv, faces);
+    let factor = (part.area() / uv.signed_area()).sqrt();
+    let factor = if is_scaled && factor.is_finite() && factor > 0.0 { factor } else { 1.0 };
+    let precision = certificate.precision;
+    let uv = uv.mapped(|p| p.map(|x| precision.round(x * factor)));
+    let constraint_residual = certificate.constraint_residual;
+    let certificate = Certificate { constraint_residual, ..certify(&part, &uv, precision)? };
+    let metrics = measure_certified(&part, &uv, certificate)?;
+    Ok((uv, metrics))
+}
+
+/// The map of some of the faces, with the points they use in their order.
+fn of_faces(uv: &UvMap, faces: &[FaceId]) -> UvMap {
+    let corners: Vec<UvId> = faces.iter().flat_map(|f| f.corners()).map(|c| uv.corners()[c.index()]).collect();
     let mut is_used = vec![false; uv.points().len()];
     corners.iter().for_each(|c| is_used[c.index()] = true);
     let mut number = vec![UvId::new(0); is_used.len()];

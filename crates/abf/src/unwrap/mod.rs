@@ -5,6 +5,7 @@ mod component;
 mod error;
 mod finish;
 mod hints;
+mod overlap;
 mod relay;
 mod stretch;
 
@@ -45,6 +46,11 @@ pub struct Unwrap {
     pub terminals: usize,
     /// How far these are apart at least, as a part of the diagonal of the bounding box.
     pub spacing: f64,
+    /// How far from the seam such a vertex is at least, at the cost of the way there, as a part of the same diagonal.
+    pub reach: f64,
+    /// Whether charts that lie over themselves are taken apart, without flattening the parts again. Disks that are not cut
+    /// stay whole.
+    pub part_overlaps: bool,
     /// Whether components that are disks already may be cut further when their stretch is above
     /// [`max_stretch`](Self::max_stretch).
     pub cut_disks: bool,
@@ -59,11 +65,13 @@ impl Default for Unwrap {
             seams: SeamRule::Auto,
             holes: HoleRule::default(),
             costs: CostSettings::default(),
-            max_stretch: 1.1,
+            max_stretch: 1.15,
             max_seam: None,
             max_rounds: 40,
             terminals: 3,
             spacing: 0.15,
+            reach: 0.0,
+            part_overlaps: true,
             cut_disks: false,
             strict: false,
         }
@@ -187,7 +195,7 @@ impl Unwrap {
         let kept = self.kept_seams(&repaired, hints);
         let parts = split(&repaired.mesh, &repaired.topology, &kept).map_err(FlattenError::from)?;
         let relay = Relay::new(observer);
-        let finish = |part: &Chart| -> Result<Finished, UnwrapError> {
+        let finish = |part: &Chart| -> Result<Vec<Finished>, UnwrapError> {
             let is_forbidden = |c: CornerId| {
                 let corner = part.faces[c.face().index()].corner(c.place());
                 hints.is_forbidden(repaired.input_corner(corner))
@@ -227,8 +235,10 @@ impl Unwrap {
         if let Some(limit) = self.max_seam.filter(|limit| !(*limit >= 0.0)) {
             return wrong("max_seam", "at least 0", limit);
         }
-        if !(self.spacing >= 0.0) {
-            return wrong("spacing", "at least 0", self.spacing);
+        for (name, value) in [("spacing", self.spacing), ("reach", self.reach)] {
+            if !(value >= 0.0) {
+                return wrong(name, "at least 0", value);
+            }
         }
         if self.terminals == 0 {
             return wrong("terminals", "at least 1", 0.0);
@@ -266,7 +276,6 @@ impl FromStr for SeamRule {
 impl fmt::Display for HoleRule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Fill(filling) if *filling == HoleFilling::default() => f.write_str("fill"),
             Self::Fill(filling) => write!(f, "fill-{filling}"),
             Self::Cut => f.write_str("cut"),
             Self::Free => f.write_str("free"),

@@ -8,6 +8,9 @@ use abf_metrics::{FaceDistortion, per_face};
 /// No face counts as shrunk to less than this part of its area.
 const SMALLEST: f64 = 1e-60;
 
+/// More peaks are not looked at.
+const MOST_PEAKS: usize = 200;
+
 /// The stretch of a chart.
 pub(super) struct Stretch {
     /// L² stretch over the real faces ([`Metrics::stretch_l2`](abf_metrics::Metrics::stretch_l2)).
@@ -15,6 +18,8 @@ pub(super) struct Stretch {
     /// For every vertex of the surface that the chart was cut from, the mean of `√(A₃ / A₂)` over the real faces around
     /// it, weighted by A₃, at equal total areas: above 1 where the map is too small. 0 where there are none.
     at_vertex: Vec<f64>,
+    /// The surface area around every vertex, as a part of the whole, times what its squared stretch is above 1.
+    excess: Vec<f64>,
 }
 
 impl Stretch {
@@ -43,25 +48,38 @@ impl Stretch {
                 *weight += face.surface_share;
             }
         }
-        let at_vertex = sums.into_iter().map(|(sum, weight)| if weight > 0.0 { sum / weight } else { 0.0 }).collect();
-        Ok(Self { l2, at_vertex })
+        let mean = |&(sum, weight): &(f64, f64)| if weight > 0.0 { sum / weight } else { 0.0 };
+        let at_vertex: Vec<f64> = sums.iter().map(mean).collect();
+        let above = |(s, &(_, weight)): (&f64, &(f64, f64))| weight * (s * s - 1.0).max(0.0);
+        let excess = at_vertex.iter().zip(&sums).map(above).collect();
+        Ok(Self { l2, at_vertex, excess })
     }
 
-    /// The vertices where the stretch is largest: at most `count`, at least `apart` from each other.
-    pub(super) fn largest(&self, mesh: &TriMesh, count: usize, apart: f64) -> Vec<VertexId> {
+    /// The peaks of the stretch worth most: at most `count` vertices.
+    ///
+    /// Peaks are taken in the order of their stretch, `apart` from each other, among the vertices that `may_be` one. What
+    /// a peak is worth is the excess of the vertices it keeps from being peaks: a spike of a few small faces is worth
+    /// little, however high it is.
+    pub(super) fn peaks(
+        &self,
+        mesh: &TriMesh,
+        count: usize,
+        apart: f64,
+        may_be: impl Fn(VertexId) -> bool,
+    ) -> Vec<VertexId> {
         let mut order: Vec<usize> = (0..self.at_vertex.len()).filter(|&v| self.at_vertex[v] > 1.0).collect();
         order.sort_unstable_by(|&a, &b| self.at_vertex[b].total_cmp(&self.at_vertex[a]).then(a.cmp(&b)));
-        let mut chosen: Vec<VertexId> = Vec::new();
-        let at = |v: VertexId| mesh.positions()[v.index()];
-        let is_far = |p: Point3<f64>, chosen: &[VertexId]| chosen.iter().all(|&c| (at(c) - p).norm() >= apart);
+        let mut peaks: Vec<(Point3<f64>, VertexId, f64)> = Vec::new();
         for v in order.into_iter().map(VertexId::new) {
-            if chosen.len() == count {
-                break;
-            }
-            if is_far(at(v), &chosen) {
-                chosen.push(v);
+            let here = mesh.positions()[v.index()];
+            let excess = self.excess[v.index()];
+            match peaks.iter().position(|(peak, ..)| (peak - here).norm_squared() < apart * apart) {
+                Some(near) => peaks[near].2 += excess,
+                None if peaks.len() < MOST_PEAKS && may_be(v) => peaks.push((here, v, excess)),
+                None => {}
             }
         }
-        chosen
+        peaks.sort_by(|a, b| b.2.total_cmp(&a.2));
+        peaks.into_iter().take(count).map(|(_, v, _)| v).collect()
     }
 }

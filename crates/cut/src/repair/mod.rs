@@ -106,7 +106,7 @@ impl<'m> Repair<'m> {
         if all.len() > (u32::MAX as usize - 1) / 3 {
             return Err(TopologyError::TooLarge { faces: all.len() }.into());
         }
-        let (mut faces, mut repeated): (Vec<FaceId>, Vec<FaceId>) = (0..all.len()).map(FaceId::new).partition(|f| {
+        let (mut faces, repeated): (Vec<FaceId>, Vec<FaceId>) = (0..all.len()).map(FaceId::new).partition(|f| {
             let [a, b, c] = all[f.index()];
             a != b && b != c && c != a
         });
@@ -117,29 +117,29 @@ impl<'m> Repair<'m> {
         if faces.is_empty() {
             return Err(RepairError::NoFaces { faces: all.len() });
         }
-        repeated.shrink_to_fit();
         let corners = faces.iter().map(|f| all[f.index()]).collect();
-        let mut report = RepairReport::default();
-        report.duplicate_faces = Found::of(duplicates.iter().map(|(f, _)| f.index()));
-        report.repeated_vertex_faces = Found::of(repeated.iter().map(|f| f.index()));
+        let mut report = RepairReport {
+            duplicate_faces: Found::of(duplicates.iter().map(|(f, _)| f.index())),
+            repeated_vertex_faces: Found::of(repeated.iter().map(|f| f.index())),
+            ..RepairReport::default()
+        };
         report.note_kept(input);
         Ok(Self { input, faces, corners, duplicates, repeated, report })
     }
 
     fn run(mut self) -> Result<Repaired, RepairError> {
         let mut pairs = Pairs::of_edges(&self.corners);
-        self.report.non_manifold_edges = Found::of(pairs.crowded.iter().map(|edge| edge.corners[0].face().index()));
-        self.report.non_manifold_edges.first =
-            pairs.crowded.first().map(|edge| self.faces[edge.corners[0].face().index()].index());
+        let face_at = |c: CornerId| self.faces[c.face().index()].index();
+        self.report.non_manifold_edges = Found::of(pairs.crowded.iter().map(|edge| face_at(edge.corners[0])));
         pairs.join_crowded(self.input, &self.corners);
         let turned = self.orient(&mut pairs);
         let (corners, vertices) = self.separate(&mut pairs);
-        let mut faces = corners;
-        for (face, _) in faces.iter_mut().zip(&turned).filter(|(_, turned)| **turned) {
-            face.swap(1, 2);
-        }
+        let around = |(face, turned): (&[VertexId; 3], &bool)| {
+            let [a, b, c] = face.map(VertexId::index);
+            if *turned { [a, c, b] } else { [a, b, c] }
+        };
+        let faces: Vec<[usize; 3]> = corners.iter().zip(&turned).map(around).collect();
         let positions = vertices.iter().map(|v| self.input.positions()[v.index()]).collect();
-        let faces: Vec<[usize; 3]> = faces.iter().map(|face| face.map(VertexId::index)).collect();
         let mesh = TriMesh::new(positions, &faces)?;
         let topology = Topology::build(mesh.vertex_count(), mesh.faces())?;
         let Self { faces, duplicates, repeated, report, .. } = self;

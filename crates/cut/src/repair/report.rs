@@ -45,15 +45,7 @@ impl RepairReport {
     /// Whether the mesh was an oriented manifold. Faces without area and unused vertices change nothing about that.
     #[must_use]
     pub fn is_clean(&self) -> bool {
-        let Self { zero_area_faces: _, unused_vertices: _, .. } = *self;
         self.changes().iter().all(|(found, _)| found.count == 0)
-    }
-
-    /// The first thing that had to be changed: how a strict reader refuses.
-    #[must_use]
-    pub fn first_change(&self) -> Option<String> {
-        let mut changes = self.changes().into_iter();
-        changes.find(|(found, _)| found.count > 0).map(|(found, what)| sentence(found, what))
     }
 
     /// One sentence for everything there is to say.

@@ -113,7 +113,7 @@ fn faces_turned_the_wrong_way_are_turned_with_the_majority() {
     assert_eq!(result.report.turned_faces, Found { count: 2, first: Some(3) });
     assert_eq!(result.turned.iter().filter(|t| **t).count(), 2);
     assert_eq!(result.topology.euler_characteristic(), 2);
-    assert_eq!(result.report.first_change().as_deref(), Some("2 faces turned around (the first at 3)"));
+    assert_eq!(result.report.sentences(), ["2 faces turned around (the first at 3)"]);
 }
 
 #[test]

@@ -1,0 +1,286 @@
+//! Any mesh in: what comes out, and how it maps back.
+
+use abf::cut::HoleFilling;
+use abf::mesh::{CornerId, FaceId, Point3, Topology, TriMesh, UvId, UvMap, VertexId};
+use abf::{
+    Event, FlattenError, HoleRule, Observer, Pipeline, SeamRule, Silent, SurfaceHints, Unwrap, UnwrapError, Unwrapped,
+    Verdict,
+};
+use abf_shapes::{Shape, loop_subdivide};
+use std::f64::consts::TAU;
+
+fn mesh(points: &[[f64; 3]], faces: &[[usize; 3]]) -> TriMesh {
+    TriMesh::new(points.iter().map(|&p| Point3::from(p)).collect(), faces).expect("indices in range")
+}
+
+/// `m` steps around the hole, `n` around the tube.
+fn torus(m: usize, n: usize) -> TriMesh {
+    let point = |i: usize, j: usize| {
+        let (u, v) = (TAU * i as f64 / m as f64, TAU * j as f64 / n as f64);
+        let r = 3.0 + v.cos();
+        [r * u.cos(), r * u.sin(), v.sin()]
+    };
+    let points: Vec<_> = (0..m).flat_map(|i| (0..n).map(move |j| point(i, j))).collect();
+    let at = |i: usize, j: usize| (i % m) * n + j % n;
+    let square = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+    let faces: Vec<_> = (0..m).flat_map(|i| (0..n).map(move |j| (i, j))).flat_map(square).collect();
+    mesh(&points, &faces)
+}
+
+/// An octahedron subdivided to 512 faces.
+fn ball() -> TriMesh {
+    let points =
+        [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+    let top = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4]];
+    let octahedron = mesh(&points, &[top, top.map(|[a, b, _]| [b, a, 5])].concat());
+    (0..3).fold(octahedron, |mesh, _| loop_subdivide(&mesh))
+}
+
+fn indices(mesh: &TriMesh) -> Vec<[usize; 3]> {
+    mesh.faces().iter().map(|face| face.map(VertexId::index)).collect()
+}
+
+fn with_faces(mesh: &TriMesh, faces: &[[usize; 3]]) -> TriMesh {
+    TriMesh::new(mesh.positions().to_vec(), faces).expect("indices in range")
+}
+
+fn unwrap(mesh: &TriMesh) -> Unwrapped {
+    with(&Unwrap::default(), mesh)
+}
+
+/// Unwraps, and checks what holds of every result.
+fn with(settings: &Unwrap, mesh: &TriMesh) -> Unwrapped {
+    let unwrapped = settings.run(mesh, &SurfaceHints::default(), &mut Silent).expect("charts");
+    check(&unwrapped, mesh);
+    unwrapped
+}
+
+fn check(unwrapped: &Unwrapped, mesh: &TriMesh) {
+    assert!(unwrapped.is_certified());
+    let mut seen = vec![0; mesh.face_count()];
+    let uv = unwrapped.uv();
+    for chart in &unwrapped.charts {
+        assert!(chart.faces.is_sorted());
+        for (i, face) in chart.faces.iter().enumerate() {
+            seen[face.index()] += 1;
+            assert_eq!(chart.uv.triangle(FaceId::new(i)), uv.triangle(*face));
+        }
+        let area: f64 = chart
+            .faces
+            .iter()
+            .map(|&f| {
+                let [a, b, c] = mesh.triangle(f);
+                0.5 * (b - a).cross(&(c - a)).norm()
+            })
+            .sum();
+        assert!((chart.metrics.uv_area / area - 1.0).abs() < 1e-9, "{} against {area}", chart.metrics.uv_area);
+    }
+    unwrapped.followers.iter().for_each(|(c, _)| seen[c.face().index()] += usize::from(c.place() == 0));
+    assert!(seen.iter().all(|&times| times == 1), "every face is in one chart, or follows one");
+}
+
+#[test]
+fn a_clean_disk_comes_out_as_the_pipeline_flattens_it() {
+    let disk = Shape::Mask.mesh(400);
+    let unwrapped = unwrap(&disk);
+    let flat = Pipeline::default().run(&disk, &mut Silent).expect("a flattening");
+    assert_eq!(unwrapped.uv(), flat.uv);
+    assert_eq!(unwrapped.charts.len(), 1);
+    assert_eq!(unwrapped.charts[0].metrics, flat.metrics(&disk).expect("metrics"));
+    assert!(unwrapped.seams.is_empty() && unwrapped.repairs.is_clean());
+}
+
+#[test]
+fn a_disk_is_cut_further_when_that_is_asked_for() {
+    let disk = with_faces(&ball(), &indices(&ball())[1..]);
+    assert!(unwrap(&disk).seams.is_empty());
+    let cut = with(&Unwrap { cut_disks: true, ..Unwrap::default() }, &disk);
+    assert!(!cut.seams.is_empty());
+    assert!(cut.charts.iter().all(|chart| chart.metrics.stretch_l2 < 1.15));
+    let short = with(&Unwrap { cut_disks: true, max_seam: Some(0.5), ..Unwrap::default() }, &disk);
+    assert!(short.seam_length < cut.seam_length);
+}
+
+#[test]
+fn a_ball_and_a_torus_come_out_with_little_stretch() {
+    for (mesh, stretch) in [(ball(), 1.15), (torus(24, 16), 1.15)] {
+        let unwrapped = unwrap(&mesh);
+        assert!(unwrapped.charts.iter().all(|c| c.metrics.stretch_l2 < stretch && c.metrics.injective()));
+        assert!(unwrapped.seam_length > 0.0 && unwrapped.diagonal > 0.0);
+        assert!(unwrapped.charts.iter().map(|c| c.seam_length).sum::<f64>() >= unwrapped.seam_length * (1.0 - 1e-12));
+    }
+}
+
+#[test]
+fn the_same_bits_come_out_whatever_the_number_of_threads() {
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    let four = rayon::ThreadPoolBuilder::new().num_threads(4).build().expect("threads");
+    let mesh = two_balls();
+    assert_eq!(one.install(|| unwrap(&mesh).uv()), four.install(|| unwrap(&mesh).uv()));
+}
+
+/// A ball and a torus, apart.
+fn two_balls() -> TriMesh {
+    let (ball, torus) = (ball(), torus(12, 8));
+    let n = ball.vertex_count();
+    let points = ball.positions().iter().chain(torus.positions()).copied().collect();
+    let faces: Vec<_> = indices(&ball).into_iter().chain(indices(&torus).iter().map(|f| f.map(|v| n + v))).collect();
+    TriMesh::new(points, &faces).expect("indices in range")
+}
+
+#[test]
+fn components_are_charts_of_their_own_and_are_put_where_asked() {
+    let mesh = two_balls();
+    let unwrapped = unwrap(&mesh);
+    let components: Vec<usize> = unwrapped.charts.iter().map(|c| c.component).collect();
+    assert_eq!((components[0], components[components.len() - 1]), (0, 1));
+    let placed = unwrapped.assemble(|chart, p| p + abf::mesh::Vector2::new(1000.0 * chart as f64, 0.0));
+    let (first, last) = (unwrapped.charts[0].faces[0], unwrapped.charts[components.len() - 1].faces[0]);
+    assert_eq!(placed.triangle(first), unwrapped.uv().triangle(first));
+    assert!(placed.triangle(last)[0].x > 900.0);
+}
+
+#[test]
+fn dropped_faces_go_with_their_twins_and_turned_ones_keep_their_corners() {
+    let disk = Shape::Mask.mesh(200);
+    let clean = unwrap(&disk).uv();
+    let mut faces = indices(&disk);
+    let [a, b, c] = faces[7];
+    faces.push([c, b, a]);
+    faces.push([a, a, b]);
+    let unwrapped = unwrap(&with_faces(&disk, &faces));
+    let uv = unwrapped.uv();
+    let (twin, point) = (FaceId::new(faces.len() - 2), FaceId::new(faces.len() - 1));
+    let [p, q, r] = clean.triangle(FaceId::new(7));
+    assert_eq!(uv.triangle(twin), [r, q, p]);
+    assert_eq!(uv.triangle(FaceId::new(7)), [p, q, r]);
+    let at = uv.triangle(point);
+    assert!(at[0] == at[1] && at[1] == at[2]);
+
+    let mut faces = indices(&disk);
+    faces[3].swap(0, 2);
+    let uv = unwrap(&with_faces(&disk, &faces)).uv();
+    let corner_of = |map: &UvMap, face: usize, vertex: usize, faces: &[[usize; 3]]| {
+        let place = faces[face].iter().position(|&v| v == vertex).expect("a corner");
+        map.corner(FaceId::new(face).corner(place))
+    };
+    for v in faces[3] {
+        let distance = (corner_of(&uv, 3, v, &faces) - corner_of(&clean, 3, v, &indices(&disk))).norm();
+        assert!(distance < 1e-6, "{distance}");
+    }
+}
+
+#[test]
+fn a_strict_run_refuses_what_it_would_have_to_repair() {
+    let mut faces = indices(&ball());
+    faces[5].swap(0, 1);
+    let strict = Unwrap { strict: true, ..Unwrap::default() };
+    let error = strict.run(&with_faces(&ball(), &faces), &SurfaceHints::default(), &mut Silent).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the mesh is not clean, and a strict run repairs nothing: 1 face turned around (the first at 5)"
+    );
+    with(&strict, &ball());
+}
+
+#[test]
+fn holes_are_filled_cut_or_left() {
+    let disk = Shape::Mask.mesh(800);
+    let topology = Topology::build(disk.vertex_count(), disk.faces()).expect("a manifold");
+    // A hole around an interior vertex whose ring is inside, too.
+    let is_inner = |v: VertexId| topology.fan(v).all(|c| topology.is_interior(topology.vertex(c.next())));
+    let middle = topology.vertices().find(|&v| topology.is_interior(v) && is_inner(v)).expect("a vertex");
+    let kept: Vec<_> = indices(&disk).into_iter().filter(|face| !face.contains(&middle.index())).collect();
+    let holed = with_faces(&disk, &kept);
+    for filling in [HoleFilling::Fan, HoleFilling::Ears] {
+        let filled = with(&Unwrap { holes: HoleRule::Fill(filling), ..Unwrap::default() }, &holed);
+        assert_eq!((filled.charts[0].holes_filled, filled.charts.len()), (1, 1));
+        assert!(filled.charts[0].virtual_faces > 0);
+        assert!(filled.charts[0].layout_error.expect("angles") < 1e-6);
+    }
+    let cut = with(&Unwrap { holes: HoleRule::Cut, ..Unwrap::default() }, &holed);
+    assert!(!cut.seams.is_empty() && cut.charts[0].holes_filled == 0);
+    let free = with(&Unwrap { holes: HoleRule::Free, ..Unwrap::default() }, &holed);
+    assert!(free.seams.is_empty());
+}
+
+#[test]
+fn kept_seams_are_those_that_were_there() {
+    let mesh = torus(16, 12);
+    let first = unwrap(&mesh);
+    let uv = first.uv();
+    let keep = Unwrap { seams: SeamRule::Keep, ..Unwrap::default() };
+    let again =
+        keep.run(&mesh, &SurfaceHints { uv: Some(&uv), ..SurfaceHints::default() }, &mut Silent).expect("charts");
+    check(&again, &mesh);
+    assert_eq!(again.seams, first.seams);
+
+    // Two halves, each a tube, which is cut once more.
+    let labels: Vec<u32> = (0..mesh.face_count()).map(|f| u32::from(f >= mesh.face_count() / 2)).collect();
+    let hints = SurfaceHints { face_labels: Some(&labels), ..SurfaceHints::default() };
+    let halves = Unwrap { holes: HoleRule::Cut, ..keep }.run(&mesh, &hints, &mut Silent).expect("charts");
+    check(&halves, &mesh);
+    assert_eq!(halves.charts.iter().map(|c| c.component).max(), Some(1));
+    assert!(halves.charts.iter().all(|chart| chart.faces.iter().all(|f| labels[f.index()] == chart.component as u32)));
+}
+
+#[test]
+fn forbidden_edges_are_no_seams() {
+    let mesh = torus(16, 12);
+    let forbidden: Vec<bool> = (0..3 * mesh.face_count())
+        .map(CornerId::new)
+        .map(|c| if c.face().index().is_multiple_of(2) { c.place() == 1 } else { c.place() == 2 })
+        .collect();
+    let settings = Unwrap { part_overlaps: false, ..Unwrap::default() };
+    let hints = SurfaceHints { forbidden: Some(&forbidden), ..SurfaceHints::default() };
+    let unwrapped = settings.run(&mesh, &hints, &mut Silent).expect("charts");
+    check(&unwrapped, &mesh);
+    let is_diagonal = |edge: &[VertexId; 2]| {
+        let [a, b] = edge.map(VertexId::index);
+        a / 12 != b / 12 && a % 12 != b % 12
+    };
+    assert!(!unwrapped.seams.iter().any(is_diagonal));
+}
+
+#[test]
+fn what_does_not_fit_is_named() {
+    let mesh = ball();
+    let run = |settings: Unwrap, hints: &SurfaceHints<'_>| settings.run(&mesh, hints, &mut Silent).unwrap_err();
+    let none = SurfaceHints::default();
+    let said = run(Unwrap { max_stretch: 0.5, ..Unwrap::default() }, &none).to_string();
+    assert_eq!(said, "max_stretch must be at least 1, got 0.5");
+    let labels = [0; 3];
+    let said = run(Unwrap::default(), &SurfaceHints { face_labels: Some(&labels), ..none }).to_string();
+    assert_eq!(said, "3 face labels, but the mesh has 512");
+    let uv = UvMap::new(vec![abf::mesh::Point2::origin()], vec![UvId::new(0); 3]);
+    assert!(matches!(run(Unwrap::default(), &SurfaceHints { uv: Some(&uv), ..none }), UnwrapError::Hint { .. }));
+    for rule in ["fill", "fill-fan", "fill-ears", "cut", "free"] {
+        let read: HoleRule = rule.parse().expect("a rule");
+        assert_eq!(read.to_string().parse(), Ok(read));
+    }
+    assert!("cork".parse::<HoleRule>().is_err() && "none".parse::<SeamRule>().is_err());
+    assert_eq!("keep".parse(), Ok(SeamRule::Keep));
+}
+
+#[test]
+fn an_observer_can_cancel() {
+    struct Never;
+    impl Observer for Never {
+        fn observe(&mut self, _: Event<'_>) -> Verdict {
+            Verdict::Cancel
+        }
+    }
+    let error = Unwrap::default().run(&ball(), &SurfaceHints::default(), &mut Never).unwrap_err();
+    assert!(matches!(error, UnwrapError::Chart { source: FlattenError::Cancelled, .. }));
+}
+
+#[test]
+fn coordinates_at_the_ends_of_the_range_are_no_hindrance() {
+    let mesh = ball();
+    for scale in [1e-200, 1e200] {
+        let points = mesh.positions().iter().map(|p| p * scale).collect();
+        let far = TriMesh::new(points, &indices(&mesh)).expect("indices in range");
+        let unwrapped = Unwrap::default().run(&far, &SurfaceHints::default(), &mut Silent).expect("charts");
+        assert!(unwrapped.is_certified());
+    }
+}
