@@ -172,6 +172,14 @@ fn a_set_that_is_there_or_would_leave_a_gap_is_refused() {
 }
 
 #[test]
+fn a_set_of_a_large_number_is_one_set() {
+    let bytes = changed(|json| json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_4000000000"] = 0.into());
+    let mut document = document(&bytes);
+    let uv = layout(&document.surface().expect("a surface"), false);
+    assert_eq!(document.set_uvs(&uv, GltfTexcoords::default()).expect("set").set, 0);
+}
+
+#[test]
 fn an_attribute_that_cannot_be_copied_is_named_and_nothing_is_changed() {
     let mut builder = skinned();
     builder.json["accessors"][2]["count"] = 3.into();
