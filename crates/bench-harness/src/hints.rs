@@ -56,6 +56,12 @@ pub(crate) fn read(error: &ReadError) -> Hint {
         ReadError::BadHeader { .. } => ("bad-header", "is it that format? correct the header, or export it again"),
         ReadError::Syntax { .. } => ("syntax", "is it that format? correct that line, or export it again"),
         ReadError::Unsupported { .. } => ("unsupported", "export the mesh without it, for example as obj"),
+        ReadError::Json { .. } => ("bad-json", EXPORT_AGAIN),
+        ReadError::Document { .. } => {
+            ("bad-document", "correct that place, or export the model again with a newer program")
+        }
+        ReadError::Buffer { .. } => ("missing-buffer", "put it where the document says: names count from its folder"),
+        ReadError::Compressed { .. } => ("compressed", "save the model again without compression of the geometry"),
         ReadError::ClaimTooLarge { .. } => ("claim-too-large", EXPORT_AGAIN),
         ReadError::TooLarge { .. } => ("too-large", "split the mesh, or make it coarser"),
         _ => ("unreadable", EXPORT_AGAIN),
@@ -198,8 +204,13 @@ pub(crate) fn metrics(error: &MetricsError) -> Hint {
 pub(crate) fn write(error: &WriteError) -> Hint {
     match error {
         WriteError::Io { cause, .. } => ("unwritable", unwritable(cause)),
-        WriteError::UnknownExtension { .. } => ("unknown-extension", "end the name in .obj or .ply"),
+        WriteError::UnknownExtension { .. } => ("unknown-extension", "end the name in .obj, .ply, .glb or .gltf"),
         WriteError::NotFinite { .. } => ("not-finite", "correct or remove these: NaN and infinity have no place"),
+        WriteError::Document(error) => read(error),
+        WriteError::TexcoordTaken { .. } => ("texcoord-taken", "choose a free set, or overwrite that one"),
+        WriteError::TexcoordGap { .. } => ("texcoord-gap", "choose the next free set"),
+        WriteError::TooLarge { .. } => ("too-large", "write a .gltf instead of a .glb, or split the model"),
+        WriteError::Unreachable { .. } => ("unreachable", "write to the folder of the original"),
         _ => ("internal", REPORT),
     }
 }

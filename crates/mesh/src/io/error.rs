@@ -244,9 +244,7 @@ pub enum ReadError {
         reason: String,
     },
     /// A buffer of a glTF document that cannot be read.
-    #[error(
-        "{file}, {path}: the buffer `{uri}` cannot be read: {cause}; its name counts from the folder of the document"
-    )]
+    #[error("{file}, {path}: the buffer `{uri}` cannot be read: {cause}")]
     Buffer {
         /// The document.
         file: String,
@@ -258,9 +256,7 @@ pub enum ReadError {
         cause: io::Error,
     },
     /// Geometry in a form that only a decoder of its own can read.
-    #[error(
-        "{file}, {path}: geometry compressed with {extension} is not read; save the model again without compression"
-    )]
+    #[error("{file}, {path}: geometry compressed with {extension} is not read")]
     Compressed {
         /// The file.
         file: String,

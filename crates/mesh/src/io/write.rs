@@ -54,7 +54,7 @@ pub enum WriteError {
     Document(#[from] ReadError),
     /// A set of texture coordinates that a primitive has already.
     #[error(
-        "{file}, meshes[{mesh}].primitives[{primitive}]: there is a TEXCOORD_{set} already; write TEXCOORD_{next}, or overwrite it"
+        "{file}, meshes[{mesh}].primitives[{primitive}]: there is a TEXCOORD_{set} already; the next free set is TEXCOORD_{next}"
     )]
     TexcoordTaken {
         /// The document.
@@ -81,7 +81,7 @@ pub enum WriteError {
         next: u32,
     },
     /// More bytes or vertices than 32 bits can count.
-    #[error("{target}: {what} do not fit in 32 bits; write a .gltf instead of a .glb, or split the model")]
+    #[error("{target}: {what} are more than 32 bits can count")]
     TooLarge {
         /// The file, or `output` where there is none.
         target: String,
@@ -89,7 +89,7 @@ pub enum WriteError {
         what: &'static str,
     },
     /// A file that the document names cannot be named from the folder it is written to.
-    #[error("{target}: `{uri}` cannot be reached from there; write to the folder of the original")]
+    #[error("{target}: `{uri}` cannot be named from there")]
     Unreachable {
         /// The file to be written.
         target: String,

@@ -140,6 +140,16 @@ fn a_file_looks_as_it_did() {
 }
 
 #[test]
+fn what_is_no_corner_stays_in_lines() {
+    // Found by fuzzing: cut after `\`, the line went on in the next, which was the first `vt`.
+    let text = format!("{SQUARES}l 1/1 2/1/1 a/b \\/1\nf 1 2 3\n");
+    let document = ObjDocument::parse("f", text.into_bytes()).expect("readable");
+    let (out, _) = written(&document, &map(&document, false));
+    let out = String::from_utf8(out).expect("text");
+    assert!(out.contains("\nl 1 2//1 a/b \\/1\nvt "), "{out}");
+}
+
+#[test]
 fn groups_materials_and_diagonals_are_told() {
     let (_, text) = corpus().into_iter().find(|(name, _)| *name == "materials").expect("the text");
     let document = ObjDocument::parse("f", text.into_bytes()).expect("readable");

@@ -33,7 +33,7 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8]) -> Result<Chunks<'a>, ReadE
     }
     let version = number(bytes, 4).ok_or_else(|| truncated(HEADER))?;
     if version != 2 {
-        let feature = format!("version {version} of glTF (2 is read; save the model again with a newer program)");
+        let feature = format!("version {version} of glTF");
         return Err(ReadError::Unsupported { at: at(4), feature });
     }
     let length = number(bytes, 8).ok_or_else(|| truncated(HEADER))?;

@@ -139,10 +139,9 @@ impl GltfDocument {
     /// The set that is asked for, if it is possible.
     fn choose_set(&self, primitives: &[GltfPrimitive], asked: GltfTexcoords) -> Result<u32, WriteError> {
         let file = || self.file.clone();
-        let next =
-            primitives.iter().filter_map(|p| p.texcoords.last()).max().map_or(Some(0), |last| last.checked_add(1));
-        // A set of such a number cannot come from a file without gaps.
-        let next = next.ok_or_else(|| WriteError::TexcoordGap { file: file(), set: u32::MAX, next: 0 })?;
+        let has = |set: u32| primitives.iter().any(|p| p.texcoords.contains(&set));
+        // Not one more than the last: whoever writes TEXCOORD_4000000000 would get as many.
+        let next = (0..u32::MAX).find(|&set| !has(set)).unwrap_or(u32::MAX);
         let set = asked.set.unwrap_or(if asked.overwrite { 0 } else { next });
         if set > next {
             return Err(WriteError::TexcoordGap { file: file(), set, next });

@@ -175,13 +175,11 @@ fn read_buffer(path: &Path, length: usize) -> io::Result<Vec<u8>> {
 
 /// Only version 2 has the structure that is read here.
 fn check_version(root: &Item<'_>) -> Result<(), ReadError> {
-    const HINT: &str = "version 2 is read; save the model again with a newer program";
-    let asset =
-        root.object("asset")?.ok_or_else(|| root.fault(format!("`asset` is missing: no glTF, or 1.0; {HINT}")))?;
+    let asset = root.object("asset")?.ok_or_else(|| root.fault("`asset` is missing: no glTF, or not of version 2"))?;
     let version = asset.text("version").unwrap_or_default();
     match version.split('.').next() {
         Some("2") => Ok(()),
-        _ => Err(asset.fault_at("version", format!("glTF `{version}` is not read; {HINT}"))),
+        _ => Err(asset.fault_at("version", format!("version `{version}` of glTF is not read, only 2"))),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Writing a document: as one `.glb`, or as a `.gltf` with what has no file of its own beside it.
 
 use std::ffi::OsStr;
+use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Value, json};
@@ -32,27 +33,32 @@ impl GltfDocument {
                 let bytes = self.packed(json, &target())?;
                 replace(path, |out| out.write_all(&bytes)).map_err(failed)
             }
-            Some(MeshFormat::Gltf) => {
-                if let Some(own) = self.buffers.iter().position(|buffer| buffer.origin == Origin::Own) {
-                    let bytes = &self.buffers[own].bytes;
-                    let within = self.buffers.iter().all(|buffer| buffer.origin != Origin::File);
-                    let uri = if within && self.buffers.len() > 1 {
-                        container::data_uri(bytes)
-                    } else {
-                        let name = free_name(&json, path);
-                        replace(&folder_of(path).join(&name), |out| out.write_all(bytes)).map_err(failed)?;
-                        container::uri_of(&name)
-                    };
-                    if let Some(Value::Object(buffer)) = array(&mut json, "buffers").get_mut(own) {
-                        buffer.insert("uri".to_owned(), uri.into());
-                    }
-                }
-                let text = if self.in_lines { serde_json::to_vec_pretty(&json) } else { serde_json::to_vec(&json) };
-                let text = text.map_err(|cause| failed(cause.into()))?;
-                replace(path, |out| out.write_all(&text)).map_err(failed)
-            }
+            Some(MeshFormat::Gltf) => self.write_json(json, path).map_err(failed),
             _ => Err(WriteError::UnknownExtension { file: target() }),
         }
+    }
+
+    /// Writes a `.gltf`, and the buffer that has no place of its own.
+    fn write_json(&self, mut json: Object, path: &Path) -> io::Result<()> {
+        let own = self.buffers.iter().position(|buffer| buffer.origin == Origin::Own);
+        let alone = self.buffers.len() == 1 || self.buffers.iter().any(|buffer| buffer.origin == Origin::File);
+        let beside = own.filter(|_| alone).map(|own| (free_name(&json, path), &self.buffers[own].bytes));
+        if let Some(own) = own {
+            let uri = match &beside {
+                Some((name, _)) => container::uri_of(name),
+                None => container::data_uri(&self.buffers[own].bytes),
+            };
+            if let Some(Value::Object(buffer)) = array(&mut json, "buffers").get_mut(own) {
+                buffer.insert("uri".to_owned(), uri.into());
+            }
+        }
+        let text = if self.in_lines { serde_json::to_vec_pretty(&json) } else { serde_json::to_vec(&json) }?;
+        replace(path, |out| {
+            out.write_all(&text)?;
+            // An old document must not find a new buffer: that comes when nothing is left to do but to rename.
+            out.flush()?;
+            beside.map_or(Ok(()), |(name, bytes)| replace(&folder_of(path).join(name), |out| out.write_all(bytes)))
+        })
     }
 
     /// The bytes of a `.glb` with all buffers. Images that are files keep their names.

@@ -10,7 +10,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::super::error::ReadError;
-use super::super::text::{Lines, Words, without_mark};
+use super::super::text::{Lines, Words, integer, without_mark};
 use super::super::write::{WriteError, check, decimal, index, replace};
 use super::super::{MeshFile, MeshFormat};
 use crate::{UvId, UvMap, VertexId};
@@ -359,7 +359,9 @@ impl Pen<'_> {
     /// Takes the UVs out of a statement that is no face.
     fn without_uvs(&mut self, statement: &Statement<'_>, mut words: Words<'_>) {
         while let Some(word) = words.next() {
-            if word.contains(&b'/') {
+            // What is no index stays as it is: without its end it could mean something, such as a `\`.
+            let vertex = word.split(|&b| b == b'/').next().unwrap_or_default();
+            if vertex.len() < word.len() && integer::<i64>(vertex).is_some() {
                 let end = statement.start + statement.text.len() - words.bytes_left();
                 self.copy_to(end - word.len());
                 self.corner(word, None);
