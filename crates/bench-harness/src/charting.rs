@@ -21,6 +21,8 @@ pub(crate) struct Charting {
     seams: SeamsFrom,
     /// Whether disks are made charts, too.
     is_asked: bool,
+    /// Whether there are no charts at all.
+    disks_only: bool,
     /// Where the seams go.
     pub(crate) seam_lines: Option<PathBuf>,
     /// Where the remap of vertices goes.
@@ -51,6 +53,10 @@ impl Charting {
         let is_asked = args.is_asked();
         let (unwrap, atlas) = (Unwrap::default(), Atlas::default());
         let wrong = |message: String| Err(usage(ErrorKind::ValueValidation, message));
+        if args.disks_only && is_asked {
+            let message = "--disks-only makes no charts: leave out the options of charts, or it";
+            return Err(usage(ErrorKind::ArgumentConflict, message));
+        }
         if let Some(stretch) = args.max_stretch.filter(|s| !(*s >= 1.0)) {
             return wrong(format!("--max-stretch must be at least 1, got {stretch}"));
         }
@@ -86,11 +92,17 @@ impl Charting {
             atlas: Atlas { pages: args.atlas.unwrap_or(atlas.pages), resolution, margin },
             seams,
             is_asked,
+            disks_only: args.disks_only,
             seam_lines: args.seam_lines,
             remap: args.remap,
             overwrite: args.overwrite,
             to_gltf: matches!(format, Some(MeshFormat::Glb | MeshFormat::Gltf)),
         })
+    }
+
+    /// How to make charts, if any are to be made.
+    pub(crate) fn if_allowed(&self) -> Option<&Self> {
+        (!self.disks_only).then_some(self)
     }
 
     /// Whether this mesh is made charts even if it is a disk: textures want UVs in the unit square.

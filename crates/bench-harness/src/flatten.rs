@@ -72,7 +72,7 @@ fn with_all(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     let mut records = Vec::new();
     for method in &settings.methods {
         let Flattened { record, history, mesh_is_unusable, .. } =
-            run::flatten(&loaded, method, Some(&settings.charting), settings.history.is_some(), cancel);
+            run::flatten(&loaded, method, settings.charting.if_allowed(), settings.history.is_some(), cancel);
         if let (true, Some(failure)) = (mesh_is_unusable, &record.error) {
             console::failure(failure);
             return vec![record];
@@ -90,7 +90,7 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
         Ok(loaded) => {
             let method = &settings.methods[0];
             let Flattened { mut record, uv, seams, history, .. } =
-                run::flatten(&loaded, method, Some(&settings.charting), settings.history.is_some(), cancel);
+                run::flatten(&loaded, method, settings.charting.if_allowed(), settings.history.is_some(), cancel);
             if let Some(uv) = uv.filter(|_| record.error.is_none()) {
                 record.error = write_files(settings, &loaded, &uv, &seams, &mut record).err();
             }

@@ -31,6 +31,9 @@ pub(crate) struct ChartArgs {
     /// Refuse meshes that need repair, and faces without area
     #[arg(long, help_heading = CHARTS)]
     pub(crate) strict: bool,
+    /// Refuse meshes that are no disks, instead of making charts of them
+    #[arg(long, help_heading = CHARTS)]
+    pub(crate) disks_only: bool,
     /// Which charts share a unit square [default: one]
     #[arg(long, value_name = "PAGES", value_parser = one_of::<AtlasPages, _>(AtlasPages::ALL.map(AtlasPages::name)), help_heading = CHARTS)]
     pub(crate) atlas: Option<AtlasPages>,

@@ -1,6 +1,6 @@
 //! One mesh of a survey, as it is written, shown and read again.
 
-use crate::number::seconds;
+use crate::number::{count, seconds};
 use crate::record::{Outcome, Record};
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -50,6 +50,18 @@ pub(crate) struct Row {
     pub(super) file: Option<FileState>,
     /// What was tried, of a solver that tries several.
     pub(super) rungs: Vec<Rung>,
+    /// The charts, of what is no disk.
+    pub(super) atlas: Option<Atlas>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Atlas {
+    charts: Vec<Chart>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct Chart {
+    solved_by: String,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -73,6 +85,12 @@ impl Row {
     /// The solver, and what it came down to where it has several methods.
     pub(crate) fn method(&self) -> Option<String> {
         let solver = self.solver.as_deref()?;
+        if let Some(Atlas { charts }) = &self.atlas {
+            let mut by: Vec<&str> = charts.iter().map(|chart| chart.solved_by.as_str()).collect();
+            by.sort_unstable();
+            by.dedup();
+            return Some(format!("{solver}: {} by {}", count(charts.len(), "chart", "charts"), by.join(", ")));
+        }
         Some(match self.solved_by.as_deref().filter(|&rung| rung != solver) {
             Some(rung) => format!("{solver}: {rung}"),
             None => solver.to_owned(),
@@ -125,7 +143,7 @@ impl Entry {
     /// The entry of a mesh that has just been done.
     pub(super) fn new(record: &Record, file: Option<FileState>) -> Self {
         let refused = refused(record);
-        let converged = record.run.as_ref().is_some_and(|run| run.termination.is_as_asked());
+        let converged = record.termination().is_some_and(abf::Termination::is_as_asked);
         let finished = Finished { record, result: record.result_word(), converged, refused, file };
         let json = serde_json::to_string(&finished).expect("records have text keys only");
         Self::read(json).expect("a record reads back")

@@ -261,13 +261,13 @@ fn several_meshes_get_a_row_each_and_a_broken_one_does_not_stop_the_others() {
     let folder = Folder::new();
     let broken = folder.file("torus.obj", surfaces::torus());
     let good = [fixture("pyramid"), fixture("roll")];
-    let ran = run_on("", &[&good[0], &broken, &good[1]]);
+    let ran = run_on("--disks-only", &[&good[0], &broken, &good[1]]);
     assert_eq!(ran.code, 2);
     let rows: Vec<&str> = ran.stdout.lines().collect();
     assert_eq!(rows.len(), 4, "{}", ran.stdout);
     assert!(rows[1].contains("converged") && rows[3].contains("converged"), "{}", ran.stdout);
     assert!(rows[2].contains("error: closed"), "{}", ran.stdout);
-    let json = run_on("--json -", &[&good[0], &broken, &good[1]]).json();
+    let json = run_on("--disks-only --json -", &[&good[0], &broken, &good[1]]).json();
     let results = json["results"].as_array().expect("a list");
     assert_eq!(results.len(), 3);
     assert_eq!(results[1]["error"]["kind"], "closed");

@@ -170,13 +170,13 @@ fn several_meshes_get_a_table_each_and_a_broken_one_gets_one_row() {
     let missing = folder.path("missing.obj");
     let (first, last) = (fixture("pyramid"), fixture("roll"));
     let meshes = [first.as_path(), &broken, &missing, &last];
-    let ran = run_on("--solver uzawa,abf++", &meshes);
+    let ran = run_on("--solver uzawa,abf++ --disks-only", &meshes);
     assert_eq!(ran.code, 2);
     let tables: Vec<&str> = ran.stdout.split("\n\n").collect();
     assert_eq!(tables.len(), 4, "{}", ran.stdout);
     assert!(tables[1].contains("error: closed") && tables[2].contains("error: not-found"), "{}", ran.stdout);
     assert_eq!(ran.stderr.matches("error: ").count(), 2, "{}", ran.stderr);
-    let json = run_on("--solver uzawa,abf++ --json -", &meshes).json();
+    let json = run_on("--solver uzawa,abf++ --disks-only --json -", &meshes).json();
     let results = json["results"].as_array().expect("a list");
     assert_eq!(results.len(), 6);
     assert_eq!((&results[2]["error"]["kind"], results[2].get("solver")), (&"closed".into(), None));

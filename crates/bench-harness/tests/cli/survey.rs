@@ -36,7 +36,7 @@ fn every_mesh_is_a_row_and_every_refusal_has_its_reason() {
     let folder = Folder::new();
     let meshes = meshes(&folder);
     let json = folder.path("out.json");
-    let ran = run_on(&format!("survey --solver linabf --jobs 3 --json {}", json.display()), &[&meshes]);
+    let ran = run_on(&format!("survey --solver linabf --disks-only --jobs 3 --json {}", json.display()), &[&meshes]);
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     assert!(ran.stdout.contains("5 meshes: 3 valid, 0 not valid, 2 refused"), "{}", ran.stdout);
     assert!(ran.stdout.contains("refused: 1 not a disk, 1 unreadable"), "{}", ran.stdout);
