@@ -54,8 +54,7 @@ fn part_of(mesh: &TriMesh, chart: &Finished, in_mesh: &[FaceId], places: &[usize
 /// For every face whether it is nearer to `other` than to `one`: shortest ways from middle to middle of neighbours.
 fn nearer_to_the_other(uv: &UvMap, one: FaceId, other: FaceId) -> Vec<bool> {
     let neighbours = neighbours(uv);
-    let middle =
-        |f: usize| uv.triangle(FaceId::new(f)).iter().fold(Vector2::zeros(), |sum, p| sum + p.coords);
+    let middle = |f: usize| uv.triangle(FaceId::new(f)).iter().fold(Vector2::zeros(), |sum, p| sum + p.coords);
     let mut distance = vec![f64::INFINITY; neighbours.len()];
     let mut is_others = vec![false; neighbours.len()];
     let mut heap = BinaryHeap::new();
