@@ -16,7 +16,8 @@
 //!
 //! [`flatten`] uses the defaults: [`SolverKind::Auto`], a ladder of solvers up to the first whose result is proved valid;
 //! [`Flattening::rungs`] says which were tried. [`Pipeline`] holds every setting: which solver, how many passes,
-//! which layout, when to stop. Core crates print nothing; an [`Observer`] hears what happens and may
+//! which layout, when to stop. [`Unwrap`] takes meshes that are no disks: closed, with holes or handles, in several parts,
+//! broken; it repairs, cuts and flattens them chart by chart. Core crates print nothing; an [`Observer`] hears what happens and may
 //! cancel.
 
 mod arrays;

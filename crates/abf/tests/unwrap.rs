@@ -7,6 +7,7 @@ use abf::{
     Verdict,
 };
 use abf_shapes::{Shape, loop_subdivide};
+use proptest::prelude::*;
 use std::f64::consts::TAU;
 
 fn mesh(points: &[[f64; 3]], faces: &[[usize; 3]]) -> TriMesh {
@@ -272,6 +273,21 @@ fn an_observer_can_cancel() {
     }
     let error = Unwrap::default().run(&ball(), &SurfaceHints::default(), &mut Never).unwrap_err();
     assert!(matches!(error, UnwrapError::Chart { source: FlattenError::Cancelled, .. }));
+}
+
+proptest! {
+    #[test]
+    fn any_faces_at_all_come_to_charts_or_to_a_reason(
+        faces in prop::collection::vec([0..9_usize, 0..9, 0..9], 1..40),
+        places in prop::collection::vec([-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], 9),
+    ) {
+        let mesh = mesh(&places, &faces);
+        if let Ok(unwrapped) = Unwrap::default().run(&mesh, &SurfaceHints::default(), &mut Silent) {
+            prop_assert_eq!(unwrapped.uv().corners().len(), 3 * mesh.face_count());
+            let in_charts: usize = unwrapped.charts.iter().map(|c| c.faces.len()).sum();
+            prop_assert_eq!(in_charts + unwrapped.followers.len() / 3, mesh.face_count());
+        }
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Seams that are there already: of a UV map, of groups and materials.
 
 use crate::Seams;
-use abf_mesh::{Topology, UvId};
+use abf_mesh::{CornerId, Topology, UvId};
 
 /// The edges whose two sides have different UV points at an end. `uv` holds the point of every corner.
 ///
@@ -12,7 +12,7 @@ pub fn uv_borders(topology: &Topology, uv: &[UvId]) -> Seams {
     assert_eq!(uv.len(), topology.corner_count(), "one UV point per corner");
     // The sides run along their edge in opposite directions.
     Seams::where_edges(topology, |c, o| {
-        let at = |corner: abf_mesh::CornerId| uv[corner.index()];
+        let at = |corner: CornerId| uv[corner.index()];
         at(c.next()) != at(o.prev()) || at(c.prev()) != at(o.next())
     })
 }

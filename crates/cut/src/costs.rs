@@ -1,7 +1,7 @@
 //! What it costs to cut along an edge.
 
 use crate::seams::{edge_length, edges_at, ends, interior_edges};
-use abf_mesh::{CornerId, Topology, TriMesh, Vector3};
+use abf_mesh::{CornerId, Topology, TriMesh, Vector3, VertexId};
 use rayon::prelude::*;
 
 /// What a seam prefers.
@@ -90,9 +90,9 @@ fn valleys(mesh: &TriMesh, topology: &Topology, face_normals: &[Vector3<f64>]) -
     /// The mean slope of the surroundings that counts as a valley of full depth: about 15°.
     const STEEP: f64 = 0.25;
     let vertices = 0..topology.vertex_count();
-    let around = |v: usize| edges_at(topology, abf_mesh::VertexId::new(v)).map(|(_, w)| w.index());
+    let around = |v: usize| edges_at(topology, VertexId::new(v)).map(|(_, w)| w.index());
     let slope = |v: usize| {
-        let fan = topology.fan(abf_mesh::VertexId::new(v));
+        let fan = topology.fan(VertexId::new(v));
         let normal: Vector3<f64> = fan.map(|c| face_normals[c.face().index()]).sum();
         let normal = normal.try_normalize(0.0).unwrap_or_default();
         let here = mesh.positions()[v];

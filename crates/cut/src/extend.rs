@@ -65,7 +65,7 @@ mod tests {
         assert_eq!(extend(&topology, &costs, &mut seams, &[at(4, 5)]), 0);
         let way = distances(&topology, &costs, &seams);
         assert_eq!((way[at(0, 3).index()], way[at(4, 5).index()]), (0.0, 0.0));
-        assert_eq!(way[at(2, 5).index()], 2.0);
+        assert_eq!(way[at(3, 3).index()], 2.0);
     }
 
     #[test]

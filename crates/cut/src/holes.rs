@@ -1,7 +1,7 @@
 //! Holes, closed by virtual faces.
 
 use crate::seams::edges_at;
-use abf_mesh::{BoundaryLoop, Point3, Topology, TopologyError, TriMesh, VertexId};
+use abf_mesh::{BoundaryLoop, Point3, Topology, TopologyError, TriMesh, Vector3, VertexId};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashSet};
 use std::fmt;
@@ -106,10 +106,10 @@ fn sides(rim: &BoundaryLoop) -> impl Iterator<Item = [VertexId; 2]> + '_ {
     rim.vertices.iter().zip(next).map(|(&a, &b)| [a, b])
 }
 
-/// The mean of the rim, each point of it weighted alike.
+/// The mean of the rim, every piece of it weighted by its length.
 fn middle(mesh: &TriMesh, rim: &BoundaryLoop) -> Point3<f64> {
     let at = |v: VertexId| mesh.positions()[v.index()];
-    let (mut sum, mut total) = (abf_mesh::Vector3::zeros(), 0.0);
+    let (mut sum, mut total) = (Vector3::zeros(), 0.0);
     for [a, b] in sides(rim) {
         let length = (at(b) - at(a)).norm();
         sum += (at(a).coords + at(b).coords) * (0.5 * length);

@@ -3,7 +3,7 @@
 use crate::paths::{Front, Joined};
 use crate::seams::{edges_at, ends, interior_edges};
 use crate::{EdgeCosts, Seams};
-use abf_mesh::{CornerId, Topology, VertexId};
+use abf_mesh::{BoundaryLoop, CornerId, Topology, VertexId};
 use std::collections::VecDeque;
 
 /// How many base points are tried for the loops of a closed surface with handles.
@@ -27,7 +27,7 @@ pub fn open(topology: &Topology, costs: &EdgeCosts) -> Seams {
         (0, 0) => slit(topology, costs),
         (0, _) => best_of_base_points(topology, costs),
         _ => {
-            let label = |(l, rim): (u32, abf_mesh::BoundaryLoop)| rim.vertices.into_iter().map(move |v| (v, l));
+            let label = |(l, rim): (u32, BoundaryLoop)| rim.vertices.into_iter().map(move |v| (v, l));
             let count = loops.len();
             let sources: Vec<_> = (0..).zip(loops).flat_map(label).collect();
             complement_of_faces(topology, costs, &sources, count)

@@ -1,6 +1,6 @@
 use super::*;
 use crate::test_support::{mesh, moebius, octahedron, sheet, tetrahedron, torus};
-use crate::{Seams, split};
+use crate::{CostSettings, EdgeCosts, HoleFilling, Seams, extend, fill, open, split};
 use abf_mesh::Point3;
 use proptest::prelude::*;
 
@@ -36,10 +36,10 @@ fn components(r: &Repaired) -> Vec<crate::Chart> {
 }
 
 /// Meshes side by side, in one list.
-fn welded(parts: &[(&TriMesh, &dyn Fn(usize) -> usize)], points: Vec<[f64; 3]>) -> TriMesh {
+fn welded(parts: &[(&TriMesh, &dyn Fn(usize) -> usize)], points: &[[f64; 3]]) -> TriMesh {
     let faces: Vec<[usize; 3]> =
         parts.iter().flat_map(|(part, at)| part.faces().iter().map(move |f| f.map(|v| at(v.index())))).collect();
-    mesh(&points, &faces)
+    mesh(points, &faces)
 }
 
 fn points(mesh: &TriMesh) -> Vec<[f64; 3]> {
@@ -63,7 +63,7 @@ fn two_tetrahedra_that_share_an_edge_are_two_again() {
     let mut all = points(&one);
     all.extend([[-1.0, 0.2, 0.1], [-1.0, 0.1, 0.9]]);
     // The second has vertices 0 and 3 of the first, and two of its own.
-    let two = welded(&[(&one, &|v| v), (&one, &|v| [3, 4, 5, 0][v])], all);
+    let two = welded(&[(&one, &|v| v), (&one, &|v| [3, 4, 5, 0][v])], &all);
     let result = repaired(&two);
     assert_eq!(result.report.non_manifold_edges.count, 1);
     assert_eq!(result.report.split_vertices, Found { count: 2, first: Some(0) });
@@ -77,7 +77,7 @@ fn two_tetrahedra_that_share_a_vertex_are_two_again() {
     let one = tetrahedron();
     let mut all = points(&one);
     all.extend([[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]]);
-    let two = welded(&[(&one, &|v| v), (&one, &|v| if v == 0 { 0 } else { v + 3 })], all);
+    let two = welded(&[(&one, &|v| v), (&one, &|v| if v == 0 { 0 } else { v + 3 })], &all);
     let result = repaired(&two);
     assert_eq!(result.report.split_vertices, Found { count: 1, first: Some(0) });
     assert_eq!(result.vertices[7], VertexId::new(0));
@@ -91,7 +91,7 @@ fn a_page_on_a_sheet_is_taken_off_and_the_sheet_stays_whole() {
     let mut all = points(&flat);
     let first = all.len();
     // A wall on the line i = 2.
-    all.extend((0..5).map(|j| [2.0, j as f64, 1.0]));
+    all.extend((0_u8..5).map(|j| [2.0, f64::from(j), 1.0]));
     let mut faces: Vec<[usize; 3]> = flat.faces().iter().map(|f| f.map(VertexId::index)).collect();
     for j in 0..4 {
         faces.push([10 + j, 11 + j, first + j + 1]);
@@ -160,6 +160,16 @@ fn nothing_to_work_with_is_said() {
     assert!(matches!(repair(&bad), Err(RepairError::Geometry(_))));
 }
 
+fn costs(mesh: &TriMesh, topology: &Topology) -> EdgeCosts {
+    EdgeCosts::new(mesh, topology, &CostSettings::default(), |_| false)
+}
+
+fn require_one_disk(charts: &[crate::Chart]) {
+    assert_eq!(charts.len(), 1);
+    charts[0].topology.check().expect("lawful");
+    charts[0].topology.require_disk().expect("a disk");
+}
+
 proptest! {
     #[test]
     fn any_faces_at_all_become_a_manifold(
@@ -167,8 +177,23 @@ proptest! {
         places in prop::collection::vec([-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], 9),
     ) {
         let input = mesh(&places, &faces);
-        if repair(&input).is_ok() {
-            repaired(&input);
+        if repair(&input).is_err() {
+            return Ok(());
+        }
+        for part in components(&repaired(&input)) {
+            let mut holes = part.topology.boundary_loops();
+            let seams = open(&part.topology, &costs(&part.mesh, &part.topology));
+            require_one_disk(&split(&part.mesh, &part.topology, &seams).expect("charts"));
+            holes.truncate(holes.len() - holes.len().min(1));
+            for filling in [HoleFilling::Fan, HoleFilling::Ears] {
+                let filled = fill(&part.mesh, &part.topology, &holes, filling).expect("a manifold");
+                prop_assert!(filled.topology.boundary_loops().len() <= 1);
+                let costs = costs(&filled.mesh, &filled.topology);
+                let mut seams = open(&filled.topology, &costs);
+                let all: Vec<VertexId> = filled.topology.vertices().collect();
+                extend(&filled.topology, &costs, &mut seams, &all[..all.len().min(4)]);
+                require_one_disk(&split(&filled.mesh, &filled.topology, &seams).expect("charts"));
+            }
         }
     }
 }
