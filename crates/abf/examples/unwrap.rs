@@ -1,9 +1,9 @@
-//! Any mesh file to charts side by side: `cargo run --release -p abf --example unwrap -- in.obj out.obj`.
+//! Any mesh file to charts in an atlas: `cargo run --release -p abf --example unwrap -- in.obj out.obj`.
 
 #![allow(clippy::print_stdout, reason = "an example shows what it did")]
 
-use abf::mesh::{Point2, Vector2, io};
-use abf::{Silent, SurfaceHints, Unwrap};
+use abf::mesh::io;
+use abf::{Atlas, Precision, Silent, SurfaceHints, Unwrap};
 use std::error::Error;
 use std::path::Path;
 
@@ -30,14 +30,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("seams: {:.3} of the diagonal", unwrapped.seam_length / unwrapped.diagonal);
 
-    // One chart beside the other, each from its lower left corner.
-    let mut right = 0.0;
-    let mut shifts = Vec::new();
-    for (low, high) in unwrapped.charts.iter().filter_map(|chart| chart.uv.bounds()) {
-        shifts.push(Vector2::new(right, 0.0) - low.coords);
-        right += 1.05 * (high.x - low.x);
-    }
-    let uv = unwrapped.assemble(|chart, p: Point2<f64>| p + shifts[chart]);
+    // OBJ and PLY store doubles; `mesh::io::stored_uv` is what glTF makes of a UV.
+    let packed = Atlas::default().pack(&mesh, &unwrapped, None, (|p| p, Precision::Double))?;
+    println!("{:.0}% of the page covered, without overlap {}", 100.0 * packed.coverage, packed.metrics.injective());
+    let uv = packed.uv;
     io::write(Path::new(&output), &mesh, Some(&uv))?;
     Ok(())
 }
