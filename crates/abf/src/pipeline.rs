@@ -133,7 +133,7 @@ impl Pipeline {
             rayon::join(|| Topology::build(mesh.vertex_count(), mesh.faces()), || self.corner_angles(mesh, working));
         let topology = topology?;
         let problem = AngleProblem::new(&topology, angles?, self.estimate)?;
-        let task = Task { pipeline: *self, original: mesh, mesh: working, scale, problem: &problem };
+        let task = Task { pipeline: *self, original: mesh, mesh: working, scale, problem: &problem, start: None };
         match self.solver {
             SolverKind::Auto => ladder::climb(&task, observer),
             _ => task.run(observer),
