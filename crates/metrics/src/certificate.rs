@@ -137,7 +137,8 @@ pub struct Certificate {
     /// The first vertices that are wound around.
     #[serde(serialize_with = "as_vertex_indices")]
     pub wound_vertices: Vec<VertexId>,
-    /// Pairs of faces that lie over each other, one for each of the first overlaps.
+    /// Pairs of faces that lie over each other, those of the first overlaps; a pair that overlaps in several places is
+    /// there once.
     #[serde(serialize_with = "as_pairs")]
     pub overlapping_faces: Vec<[FaceId; 2]>,
 }
