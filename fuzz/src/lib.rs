@@ -1,6 +1,8 @@
 //! What must hold for any bytes. The targets only hand theirs over, so that a finding is replayed and tested
 //! without a fuzzer.
 
+#[path = "../../crates/abf/tests/support/exact.rs"]
+mod exact;
 mod mesh;
 
 use abf::mesh::io::{
@@ -9,7 +11,7 @@ use abf::mesh::io::{
 };
 use abf::mesh::{Point2, TriMesh, UvId, UvMap};
 use abf::{FlattenError, Pipeline, Precision, Silent, StopCriteria};
-use robust::{Coord, orient2d};
+use exact::{Sign, turns};
 use std::path::Path;
 
 /// Reads a mesh. What can be read is written and read again as the same mesh.
@@ -120,22 +122,18 @@ pub fn flatten(bytes: &[u8]) {
     }
 }
 
-/// The sign of every triangle's area in the map, exactly.
+/// The sign of every triangle's area in the map, in whole numbers: not by the predicate that made the certificate.
 fn orientations(mesh: &TriMesh, uv: &abf::mesh::UvMap, precision: Precision) -> Vec<i8> {
     assert_eq!(uv.triangles().len(), mesh.face_count());
     let sign = |triangle: [abf::mesh::Point2<f64>; 3]| {
-        let [a, b, c] = triangle.map(|p| {
+        for p in &triangle {
             assert!(p.x.is_finite() && p.y.is_finite(), "a UV that is no number");
             assert_eq!([precision.round(p.x), precision.round(p.y)], [p.x, p.y], "not as stored");
-            Coord { x: p.x, y: p.y }
-        });
-        let area = orient2d(a, b, c);
-        if area > 0.0 {
-            1
-        } else if area < 0.0 {
-            -1
-        } else {
-            0
+        }
+        match turns(&triangle) {
+            Sign::Plus => 1,
+            Sign::NoSign => 0,
+            Sign::Minus => -1,
         }
     };
     uv.triangles().map(sign).collect()

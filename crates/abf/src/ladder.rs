@@ -7,7 +7,8 @@
 
 use crate::task::Task;
 use crate::{FlattenError, Flattening, Pipeline, RungReport, SolverKind};
-use abf_mesh::TriMesh;
+use abf_embed::{EmbedError, vertex_points};
+use abf_mesh::{Point2, TriMesh};
 use abf_reconstruct::LayoutKind;
 use abf_solve_core::{AngleSolution, Event, Observer, StopCriteria, Termination, TimeBudget, Verdict};
 use std::cmp::Ordering;
@@ -42,7 +43,9 @@ pub(crate) fn climb(task: &Task<'_>, observer: &mut dyn Observer) -> Result<Flat
         let stop = StopCriteria { max_iterations: left.max_iterations.min(rung.most_iterations), ..left };
         // The options of the Newton solvers concern those that are named.
         let named_only = Pipeline { wheel: None, hessian: None, ..task.pipeline };
-        let task = Task { pipeline: Pipeline { solver: rung.solver, stop, ..named_only }, ..*task };
+        let start = climb.drawing(task, rung.solver);
+        let pipeline = Pipeline { solver: rung.solver, stop, ..named_only };
+        let task = Task { pipeline, start: start.as_deref(), ..*task };
         // A rung that would take too much is left out: what is below it has its result.
         let result = task.pipeline.check_memory(task.mesh).and_then(|()| climb.attempt(&task, observer));
         if climb.take(rung.solver, result) {
@@ -78,6 +81,17 @@ impl Climb<'_> {
         }
         let verdict = observer.observe(Event::RungStarted(next.name()));
         (verdict == Verdict::Cancel).then_some(Termination::Cancelled)
+    }
+
+    /// The valid drawing of an earlier rung, for the rung that can start from one.
+    fn drawing(&self, task: &Task<'_>, next: SolverKind) -> Option<Vec<Point2<f64>>> {
+        let best = self.best.as_ref().filter(|best| next == SolverKind::Descent && best.report.valid)?;
+        // A mirrored drawing is valid, too.
+        let is_upright = best.flat.uv.signed_area() > 0.0;
+        let points = vertex_points(task.problem.topology(), &best.flat.uv).ok().filter(|_| is_upright)?;
+        // As large as the mesh that is worked on: the areas of some would underflow.
+        let scale = if task.pipeline.normalize { 1.0 } else { task.scale };
+        Some(points.into_iter().map(|p| p * scale).collect())
     }
 
     fn attempt(&self, task: &Task<'_>, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
@@ -121,7 +135,12 @@ impl Climb<'_> {
         let Some(Candidate { flat, .. }) = self.best else {
             return Err(self.first_error.unwrap_or(FlattenError::Cancelled));
         };
-        let termination = interruption.unwrap_or(flat.termination);
+        // A last rung that was stopped before it had a drawing has no result to say so.
+        let stopped = self.rungs.last().and_then(|rung| match rung.error {
+            Some(FlattenError::Descent(EmbedError::Interrupted(interruption))) => Some(interruption),
+            _ => None,
+        });
+        let termination = interruption.or(stopped).unwrap_or(flat.termination);
         Ok(Flattening { termination, rungs: self.rungs, ..flat })
     }
 }

@@ -155,7 +155,7 @@ impl Pipeline {
             Shape::Disk => AngleProblem::new(&topology, angles?, self.estimate)?,
             Shape::Any => AngleProblem::unclosed(&topology, angles?, self.estimate)?,
         };
-        let task = Task { pipeline: *self, original: mesh, mesh: working, scale, problem: &problem };
+        let task = Task { pipeline: *self, original: mesh, mesh: working, scale, problem: &problem, start: None };
         match self.solver {
             SolverKind::Auto => ladder::climb(&task, observer),
             _ => task.run(observer),

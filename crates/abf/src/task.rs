@@ -19,6 +19,8 @@ pub(crate) struct Task<'t> {
     /// By what power of two it is scaled.
     pub(crate) scale: f64,
     pub(crate) problem: &'t AngleProblem<'t>,
+    /// A valid drawing for the descent to start from, one point per vertex; otherwise it is Tutte's embedding.
+    pub(crate) start: Option<&'t [Point2<f64>]>,
 }
 
 /// UVs as they will be stored, and what is proved of them.
@@ -90,11 +92,11 @@ impl Task<'_> {
         self.laid_out(flat.solution.clone(), settings, observer).ok()
     }
 
-    /// The descent, from Tutte's embedding.
+    /// The descent, from a drawing that is there or from Tutte's embedding.
     fn descend(&self, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         begin(observer, Stage::Solve)?;
         let Pipeline { descent, stop, .. } = &self.pipeline;
-        let descended = descent.solve(self.mesh, self.problem, None, stop, observer)?;
+        let descended = descent.solve(self.mesh, self.problem, self.start, stop, observer)?;
         let _ = observer.observe(Event::StageStarted(Stage::Layout));
         let candidates = self.placements(&descended.uv, descended.area_matched);
         let _ = observer.observe(Event::StageStarted(Stage::Certificate));

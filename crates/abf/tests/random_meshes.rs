@@ -6,8 +6,11 @@
 
 #![allow(clippy::print_stdout, reason = "the counts are the point")]
 
-use abf::mesh::{Point2, Point3, TriMesh, UvMap, VertexId, io};
-use num_bigint::{BigInt, Sign};
+#[path = "support/exact.rs"]
+mod exact;
+
+use abf::mesh::{Point3, TriMesh, UvMap, VertexId, io};
+use exact::{Sign, turns};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -163,24 +166,6 @@ fn random_mesh(seed: u64) -> TriMesh {
     let mut disk = Disk::random(&mut random);
     disk.spoil(&mut random);
     TriMesh::new(disk.points.into_iter().map(Point3::from).collect(), &disk.faces).expect("indices in range")
-}
-
-/// A finite double as a whole number of units of 2⁻¹⁰⁷⁴.
-fn whole(x: f64) -> BigInt {
-    let bits = x.to_bits();
-    let (exponent, fraction) = ((bits >> 52) & 0x7ff, bits & ((1 << 52) - 1));
-    let magnitude = match exponent {
-        0 => BigInt::from(fraction),
-        _ => BigInt::from(fraction | (1 << 52)) << (exponent - 1),
-    };
-    if x < 0.0 { -magnitude } else { magnitude }
-}
-
-/// The sign of the area of a triangle, without rounding.
-fn turns(triangle: &[Point2<f64>; 3]) -> Sign {
-    let [a, b, c] = triangle.map(|p| [whole(p.x), whole(p.y)]);
-    let difference = |p: &[BigInt; 2], k: usize| &p[k] - &a[k];
-    (difference(&b, 0) * difference(&c, 1) - difference(&b, 1) * difference(&c, 0)).sign()
 }
 
 /// Whether every triangle turns left and the triangles around every interior vertex turn once.

@@ -202,9 +202,6 @@ fn other_steps(solver: &str, asked: &Asked, termination: Termination) -> Vec<Str
         return ring_switch(asked).into_iter().chain([longer_seam()]).collect();
     }
     let mut tries = Vec::new();
-    if termination == Termination::OnePass {
-        tries.push("more --max-iterations".to_owned());
-    }
     if asked.line_search == Some(LineSearch::Full) {
         tries.push(format!("--line-search {}", LineSearch::Merit));
     }

@@ -106,7 +106,10 @@ impl Failure {
         // The name of a temporary file says nothing to someone who never asked for one.
         let text = error.to_string();
         let said = text.split(" at path ").next().unwrap_or(&text);
-        Self::new(("unwritable", hints::unwritable(error)), format!("{target}: cannot be written: {said}"))
+        Self::new(
+            ("unwritable", hints::unwritable(Path::new(target), error)),
+            format!("{target}: cannot be written: {said}"),
+        )
     }
 
     /// A folder or file that is no mesh and cannot be read.
@@ -136,6 +139,13 @@ impl Failure {
     pub(crate) fn unfinished_survey(log: &Path) -> Self {
         let hint = "go on with it with --resume, or delete that file to begin anew";
         Self::new(("unfinished-survey", hint), format!("{}: a survey was broken off here", log.display()))
+    }
+
+    /// A survey that was made in another way than is asked for now.
+    pub(crate) fn other_settings(path: &Path, what: &str, before: &str, now: &str) -> Self {
+        let hint = "go on with the settings it was made with, or name another --json for this one";
+        let message = format!("{}: made with {what} {before}, and asked for is {now}", path.display());
+        Self::new(("other-settings", hint), message)
     }
 
     /// A defect of this program.

@@ -4,12 +4,14 @@
 
 use abf::constraints::ProblemError;
 use abf::cut::RepairError;
+use abf::embed::EmbedError;
 use abf::reconstruct::LayoutError;
 use abf::solve_core::{LinearError, SolveError};
-use abf::{AtlasError, FlattenError, MetricsError, UnwrapError};
+use abf::{AtlasError, FlattenError, MetricsError, Termination, UnwrapError};
 use abf_mesh::io::{ReadError, WriteError};
 use abf_mesh::{DiskError, GeometryError, TopologyError};
 use std::io;
+use std::path::Path;
 
 /// The kind of an error, and what to try next.
 pub(crate) type Hint = (&'static str, &'static str);
@@ -72,9 +74,10 @@ pub(crate) fn read(error: &ReadError) -> Hint {
 pub(crate) fn cannot_open(cause: &io::Error) -> Hint {
     match cause.kind() {
         io::ErrorKind::NotFound => ("not-found", "check the name and the folder"),
-        io::ErrorKind::IsADirectory => {
-            ("directory", "name the files in it, or compare what is below it: bench-harness compare DIR")
-        }
+        io::ErrorKind::IsADirectory => (
+            "directory",
+            "name the files in it; survey DIR flattens all that is below it, compare DIR with several solvers",
+        ),
         io::ErrorKind::PermissionDenied => ("no-permission", "ask for permission to read it"),
         io::ErrorKind::OutOfMemory => ("out-of-memory", "use a smaller mesh or a larger machine"),
         _ => ("cannot-open", "check the name and whether the disk is there"),
@@ -103,7 +106,10 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Certificate(error) => metrics(error),
         FlattenError::Memory { leaner: Some(_), .. } => (MEMORY, "try that solver, or a larger --max-memory"),
         FlattenError::Memory { .. } => (MEMORY, MORE_MEMORY),
-        FlattenError::Cancelled => ("cancelled", "start it again to have it flattened"),
+        FlattenError::Descent(EmbedError::Interrupted(Termination::TimeLimit)) => ("time", "use a longer --time-limit"),
+        FlattenError::Cancelled | FlattenError::Descent(EmbedError::Interrupted(_)) => {
+            ("cancelled", "start it again to have it flattened")
+        }
         _ => ("not-flattened", "try --solver lscm"),
     }
 }
@@ -203,7 +209,7 @@ pub(crate) fn metrics(error: &MetricsError) -> Hint {
 /// For meshes that cannot be written.
 pub(crate) fn write(error: &WriteError) -> Hint {
     match error {
-        WriteError::Io { cause, .. } => ("unwritable", unwritable(cause)),
+        WriteError::Io { .. } => ("unwritable", ELSEWHERE),
         WriteError::UnknownExtension { .. } => ("unknown-extension", "end the name in .obj, .ply, .glb or .gltf"),
         WriteError::NotFinite { .. } => ("not-finite", "correct or remove these: NaN and infinity have no place"),
         WriteError::Document(error) => read(error),
@@ -215,13 +221,22 @@ pub(crate) fn write(error: &WriteError) -> Hint {
     }
 }
 
+const ELSEWHERE: &str = "choose another place";
+
 /// For files that cannot be written.
-pub(crate) fn unwritable(cause: &io::Error) -> &'static str {
+pub(crate) fn unwritable(target: &Path, cause: &io::Error) -> &'static str {
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match cause.kind() {
-        io::ErrorKind::NotFound => "make the folder first",
+        _ if target.as_os_str().is_empty() => "give the file a name",
+        io::ErrorKind::NotFound if target.is_symlink() => {
+            "the link leads into a folder that is not there: make that folder, or remove the link"
+        }
+        io::ErrorKind::NotFound if !folder.exists() => "make the folder first",
+        io::ErrorKind::NotFound => "no file can be made in that folder: choose another place",
+        io::ErrorKind::NotADirectory => "what stands before the last / is a file: choose another place",
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "choose a folder you may write to",
         io::ErrorKind::IsADirectory => "there is a folder of that name: choose another name",
         io::ErrorKind::StorageFull => "free some space, or choose another disk",
-        _ => "choose another place",
+        _ => ELSEWHERE,
     }
 }

@@ -34,7 +34,7 @@ pub(crate) struct Iteration {
     /// Inner iterations; refinement steps of a direct solve.
     inner_iterations: usize,
     /// `‖b − Ax‖ / ‖b‖`, computed.
-    inner_residual: f64,
+    inner_residual: Option<f64>,
     /// The inner method's estimate of it, where it has one.
     inner_estimate: Option<f64>,
     /// Whether the inner solve met its tolerance.
@@ -78,7 +78,7 @@ impl Iteration {
             step_length: record.step_length,
             energy: record.energy,
             inner_iterations: record.inner_iterations,
-            inner_residual: record.inner_residual,
+            inner_residual: record.solved_to(),
             inner_estimate: record.inner_estimate,
             inner_converged: record.inner_converged,
             negative_curvature: record.negative_curvature,

@@ -10,7 +10,9 @@ use crate::record::{Outcome, Quality, Record, Size, Stages, Timings, to_json};
 use crate::settings::JsonTarget;
 use crate::show::show;
 use crate::table;
-use abf_mesh::{Topology, io};
+use abf::{Metrics, MetricsError, Precision};
+use abf_mesh::io::MeshFormat;
+use abf_mesh::{Topology, TriMesh, UvMap, io};
 use std::path::Path;
 use std::time::Instant;
 
@@ -56,7 +58,7 @@ fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
     let built = begin.elapsed().as_secs_f64();
 
     let uv = file.uv.ok_or_else(|| Failure::no_uv(&record.mesh, file.notes.uv_dropped))?;
-    let metrics = abf_metrics::measure(&file.mesh, &uv);
+    let metrics = measured(&file.mesh, uv, MeshFormat::from_path(path), file.notes.uv_single);
     record.quality = Some(Quality::new(metrics.map_err(|error| Failure::metrics(&record.mesh, &error))?));
     record.overlap = advice::overlap(record);
     if let Some(overlap) = &record.overlap {
@@ -68,4 +70,17 @@ fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
     record.timings_s = Some(timings);
     record.peak_memory_bytes = Some(heap.peak_bytes());
     Ok(())
+}
+
+/// The figures of the UVs as the file stores them.
+fn measured(mesh: &TriMesh, uv: UvMap, format: Option<MeshFormat>, is_single: bool) -> Result<Metrics, MetricsError> {
+    let uv = match format {
+        // It stores 1 − v, which has been turned back without rounding.
+        Some(MeshFormat::Glb | MeshFormat::Gltf) => uv,
+        _ if !is_single => return abf_metrics::measure(mesh, &uv),
+        // Binary files hold them rounded; the digits of a text may say more than it stores.
+        _ => uv.mapped(|p| p.map(|x| Precision::Single.round(x))),
+    };
+    let certificate = abf_metrics::certify_stored(mesh, &uv, Precision::Single)?;
+    abf_metrics::measure_certified(mesh, &uv, certificate)
 }

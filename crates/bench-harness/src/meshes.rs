@@ -18,7 +18,7 @@ pub(crate) enum Depth {
 /// hidden is left out, and so are links to folders, which could go round in circles.
 ///
 /// # Errors
-/// A folder that cannot be read, or that has no mesh.
+/// A name that leads nowhere, a folder that cannot be read, or one that has no mesh.
 pub(crate) fn find(named: &[PathBuf], depth: Depth) -> Result<Vec<PathBuf>, Failure> {
     let mut found = Vec::new();
     for path in named {
@@ -31,6 +31,8 @@ pub(crate) fn find(named: &[PathBuf], depth: Depth) -> Result<Vec<PathBuf>, Fail
             below.sort();
             found.append(&mut below);
         } else {
+            // A name that leads nowhere is a slip of whoever typed it, not a mesh that has failed.
+            fs::metadata(path).map_err(|error| Failure::unreadable(path, &error))?;
             found.push(path.clone());
         }
     }
@@ -70,10 +72,11 @@ mod tests {
         for name in ["c.obj", "a.PLY", "b/inner/z.stl", "b/notes.txt", ".hidden/x.obj"] {
             fs::write(at(name), "").expect("written");
         }
-        let found = find(&[at("missing.obj"), folder.path().to_owned()], Depth::Below).expect("meshes");
-        assert_eq!(found, [at("missing.obj"), at("a.PLY"), at("b/inner/z.stl"), at("c.obj")]);
+        let found = find(&[at("b/notes.txt"), folder.path().to_owned()], Depth::Below).expect("meshes");
+        assert_eq!(found, [at("b/notes.txt"), at("a.PLY"), at("b/inner/z.stl"), at("c.obj")]);
         let inside = find(&[folder.path().to_owned()], Depth::Inside).expect("meshes");
         assert_eq!(inside, [at("a.PLY"), at("c.obj")]);
         assert_eq!(find(&[at("empty")], Depth::Below).unwrap_err().kind, "no-meshes");
+        assert_eq!(find(&[at("c.obj"), at("missing")], Depth::Below).unwrap_err().kind, "not-found");
     }
 }

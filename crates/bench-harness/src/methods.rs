@@ -2,6 +2,8 @@
 
 use crate::args::{MethodArgs, SolverChoice, names};
 use crate::errors;
+use abf::constraints::ProblemError;
+use abf::embed::EmbedError;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
 use abf::{
@@ -215,8 +217,28 @@ fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
         Err(error @ (FlattenError::LscmLayout(_) | FlattenError::DescentLayout(_))) => {
             Err(Refusal::Combination(error.to_string()))
         }
-        Err(error) => Err(Refusal::Setting(errors::chain(&error))),
+        Err(error) => Err(Refusal::Setting(out_of_range(pipeline, &error).unwrap_or_else(|| errors::chain(&error)))),
     }
+}
+
+/// Which option has a value out of its range; options are called as the settings of the library are.
+fn out_of_range(pipeline: &Pipeline, error: &FlattenError) -> Option<String> {
+    let (name, allowed, value) = match error {
+        FlattenError::Problem(ProblemError::Setting { name, allowed, value })
+        | FlattenError::Solve { source: SolveError::Setting { name, allowed, value }, .. }
+        | FlattenError::Descent(
+            EmbedError::Setting { name, allowed, value }
+            | EmbedError::Stop(SolveError::Setting { name, allowed, value }),
+        ) => (*name, *allowed, *value),
+        _ => return None,
+    };
+    let start = match error {
+        FlattenError::Descent(_) => pipeline.descent.barrier_start,
+        _ => pipeline.barrier.barrier_start,
+    };
+    // There is no option for where the barrier starts.
+    let allowed = allowed.replace("barrier_start", &start.to_string());
+    Some(format!("--{} must be {allowed}, got {value}", name.replace('_', "-")))
 }
 
 #[cfg(test)]

@@ -13,7 +13,8 @@ use crate::newton::{Direction, Newton};
 use crate::objective::Objective;
 use crate::plane::{not_counter_clockwise, of_face, orientation};
 use crate::retract::Retraction;
-use crate::{BoundarySpacing, EmbedError, TutteWeights, tutte};
+use crate::tutte::tutte_watched;
+use crate::{BoundarySpacing, EmbedError, TutteWeights};
 use abf_constraints::{AngleProblem, max_residual};
 use abf_linalg::LinearStats;
 use abf_mesh::{FaceId, Point2, Topology, TriMesh, UvMap, Vector2, VertexId};
@@ -94,14 +95,15 @@ pub struct DescentSolution {
 }
 
 impl Descent {
-    /// Descends from `start`, one point per vertex, or from [`tutte()`]'s embedding.
+    /// Descends from `start`, one point per vertex, or from [`tutte()`](crate::tutte())'s embedding.
     ///
-    /// Of `stop` it heeds the number of iterations, the time limit and the step tolerance (a full step below it is
+    /// Without time there is the start, or the first drawing there is. Of `stop` it heeds the number of iterations, the time limit and the step tolerance (a full step below it is
     /// converged, too); a drawing has no constraint residual to bring down. Same input, same bits.
     ///
     /// # Errors
     /// [`EmbedError::Setting`]; [`EmbedError::PointCount`] and [`EmbedError::StartFlipped`] for a start that is not a
-    /// drawing; the errors of [`tutte()`]; [`EmbedError::Linear`] for a mesh whose matrices are too large.
+    /// drawing; the errors of [`tutte()`](crate::tutte()), and [`EmbedError::Interrupted`] if it was stopped before it had
+    /// a drawing; [`EmbedError::Linear`] for a mesh whose matrices are too large.
     ///
     /// # Panics
     /// If the problem is not that of `mesh`.
@@ -120,11 +122,26 @@ impl Descent {
         let (uv, embedding) = match start {
             Some(start) => (start.to_vec(), None),
             None => {
-                let embedding = tutte(mesh, topology)?;
+                let embedding = tutte_watched(mesh, topology, &mut watch)?;
                 (embedding.uv, Some((embedding.spacing, embedding.weights)))
             }
         };
         check_start(topology, &uv)?;
+        watch.inner(0, f64::NAN);
+        if let Some(interruption) = watch.interruption() {
+            let angles = measured(topology, &uv);
+            let (uv, area_matched) = scaled_to(topology, uv, mesh.area());
+            return Ok(DescentSolution {
+                uv,
+                angles,
+                termination: interruption,
+                history: Vec::new(),
+                held: Vec::new(),
+                iterations: Vec::new(),
+                tutte: embedding,
+                area_matched,
+            });
+        }
         let mut run = Run::new(*self, problem, &uv)?;
         let termination = run.descend(stop, &mut watch);
         let (uv, area_matched) = scaled_to(topology, run.uv, mesh.area());
@@ -228,6 +245,10 @@ impl<'p, 'a> Run<'p, 'a> {
 
     fn descend(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Termination {
         loop {
+            // The matrices are set up, which takes as long as a step.
+            if self.history.is_empty() && !watch.inner(0, f64::NAN) {
+                return watch.interruption().unwrap_or(Termination::Cancelled);
+            }
             // Without a direction the drawing so far is still valid, be it the start.
             let Ok(direction) = self.newton.direction(&self.objective, &self.uv, &self.angles) else {
                 return Termination::Stalled;

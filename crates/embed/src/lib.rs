@@ -49,7 +49,7 @@ mod tutte;
 
 use abf_linalg::LinearError;
 use abf_mesh::{DiskError, FaceId};
-use abf_solve_core::SolveError;
+use abf_solve_core::{SolveError, Termination};
 pub use descend::{Descent, DescentRecord, DescentSolution, vertex_points};
 pub use line_search::StepKind;
 pub use tutte::{BoundarySpacing, TutteEmbedding, TutteWeights, tutte};
@@ -62,7 +62,7 @@ pub enum EmbedError {
     #[error(transparent)]
     NotADisk(#[from] DiskError),
     /// Doubles do not hold Tutte's embedding of this mesh.
-    #[error("Tutte's embedding turns face {face} over in double precision ({count} such faces in all)")]
+    #[error("Tutte's embedding turns face {face} over in double precision ({count} in all)")]
     TutteFlipped {
         /// The first such face.
         face: FaceId,
@@ -70,7 +70,7 @@ pub enum EmbedError {
         count: usize,
     },
     /// The start of the descent is not a drawing.
-    #[error("face {face} of the start is not counter-clockwise ({count} such faces in all)")]
+    #[error("face {face} of the start is not counter-clockwise ({count} in all)")]
     StartFlipped {
         /// The first such face.
         face: FaceId,
@@ -95,6 +95,12 @@ pub enum EmbedError {
         /// What it was.
         value: f64,
     },
+    /// There is no drawing yet to stop with.
+    #[error("{} before there was a first drawing", if *.0 == Termination::Cancelled { "cancelled" } else { "out of time" })]
+    Interrupted(
+        /// What interrupted it.
+        Termination,
+    ),
     /// A stopping criterion outside its range.
     #[error(transparent)]
     Stop(#[from] SolveError),

@@ -12,6 +12,7 @@ use crate::EmbedError;
 use crate::plane::not_counter_clockwise;
 use abf_linalg::{LinearError, Refinement, SparseMatrix, SymbolicLu};
 use abf_mesh::{CornerId, Point2, Topology, TriMesh, Vector2, VertexId};
+use abf_solve_core::{Silent, StopCriteria, Watch};
 use std::f64::consts::TAU;
 
 /// How the boundary vertices are spread on the circle.
@@ -69,11 +70,27 @@ const CORRECTIONS: usize = 2;
 /// # Panics
 /// If `topology` is not that of `mesh`.
 pub fn tutte(mesh: &TriMesh, topology: &Topology) -> Result<TutteEmbedding, EmbedError> {
+    tutte_watched(mesh, topology, &mut Watch::start(&StopCriteria::default(), &mut Silent))
+}
+
+/// The same for someone who may have no time: told of after every solve. A drawing that is there by then is a result;
+/// it is left as it is, and nothing else is tried.
+///
+/// # Errors
+/// Those of [`tutte()`], and [`EmbedError::Interrupted`] when there is no drawing yet.
+pub(crate) fn tutte_watched(
+    mesh: &TriMesh,
+    topology: &Topology,
+    watch: &mut Watch<'_>,
+) -> Result<TutteEmbedding, EmbedError> {
     assert_eq!(mesh.vertex_count(), topology.vertex_count(), "the topology of this mesh");
     topology.require_disk()?;
     let mut first_failure = None;
     for (spacing, weights) in LADDER {
-        let failure = match place(mesh, topology, spacing, weights) {
+        if let Some(interruption) = watch.interruption() {
+            return Err(EmbedError::Interrupted(interruption));
+        }
+        let failure = match place(mesh, topology, spacing, weights, watch) {
             Ok(uv) => match not_counter_clockwise(topology, &uv) {
                 None => return Ok(TutteEmbedding { uv, spacing, weights }),
                 Some((face, count)) => EmbedError::TutteFlipped { face, count },
@@ -91,6 +108,7 @@ fn place(
     topology: &Topology,
     spacing: BoundarySpacing,
     weights: TutteWeights,
+    watch: &mut Watch<'_>,
 ) -> Result<Vec<Point2<f64>>, LinearError> {
     let mut uv = on_circle(mesh, topology, spacing);
     let interior: Vec<VertexId> = topology.vertices().filter(|&v| topology.is_interior(v)).collect();
@@ -120,6 +138,10 @@ fn place(
                 Err(error) => return Err(error),
             }
             interior.iter().zip(&rhs).for_each(|(v, correction)| uv[v.index()][axis] += correction);
+        }
+        // The first solve makes a drawing of it; what follows are digits.
+        if !watch.inner(0, f64::NAN) {
+            break;
         }
     }
     Ok(uv)
@@ -178,6 +200,8 @@ mod tests {
     use super::*;
     use abf_mesh::{DiskError, FaceId, Point3};
     use abf_shapes::Shape;
+    use abf_solve_core::Termination;
+    use std::time::Duration;
 
     fn topology(mesh: &TriMesh) -> Topology {
         Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold")
@@ -225,8 +249,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn equal_spacing_helps_where_arc_lengths_are_beyond_doubles() {
+    /// A mesh that arc lengths spoil.
+    fn short_rim() -> TriMesh {
         // A fan whose short rim edges are 1e-13 of the others: their triangles are flat on a circle by arc length.
         let mut points = vec![Point3::new(0.0, 0.0, 0.0)];
         for k in 0..6 {
@@ -240,7 +264,12 @@ mod tests {
         // An ear over two short edges makes three nearly equal points a triangle.
         faces[0] = [0, 1, 3];
         faces[1] = [1, 2, 3];
-        let mesh = TriMesh::new(points, &faces).expect("indices in range");
+        TriMesh::new(points, &faces).expect("indices in range")
+    }
+
+    #[test]
+    fn equal_spacing_helps_where_arc_lengths_are_beyond_doubles() {
+        let mesh = short_rim();
         let embedding = tutte(&mesh, &topology(&mesh)).expect("a drawing");
         assert_eq!(embedding.spacing, BoundarySpacing::Uniform);
     }
@@ -267,6 +296,16 @@ mod tests {
         let mesh = TriMesh::new(points, &faces).expect("indices in range");
         let error = tutte(&mesh, &topology(&mesh)).expect_err("too deep for doubles");
         assert!(matches!(error, EmbedError::TutteFlipped { face, count } if face == FaceId::new(0) && count > 1));
+    }
+
+    #[test]
+    fn without_time_there_is_a_drawing_or_a_name_for_it() {
+        let stop = StopCriteria { time_limit: Some(Duration::ZERO), ..StopCriteria::default() };
+        let hurried = |mesh: &TriMesh| tutte_watched(mesh, &topology(mesh), &mut Watch::start(&stop, &mut Silent));
+        // The first solve is a drawing.
+        assert!(hurried(&Shape::Mask.mesh(500)).is_ok());
+        // Here it is none, and there is no time for equal spacing.
+        assert_eq!(hurried(&short_rim()), Err(EmbedError::Interrupted(Termination::TimeLimit)));
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub enum DiskError {
         vertex: VertexId,
     },
     /// One boundary loop, but handles.
-    #[error("the surface has {genus} handles")]
+    #[error("the surface has {genus} {}", if *genus == 1 { "handle" } else { "handles" })]
     Handles {
         /// Its genus.
         genus: usize,

@@ -41,7 +41,7 @@ pub enum TopologyError {
         faces: usize,
     },
     /// A face that uses one vertex twice.
-    #[error("face {face} uses vertex {vertex} twice ({count} such faces in all)")]
+    #[error("face {face} uses vertex {vertex} twice ({count} in all)")]
     RepeatedVertex {
         /// The first such face.
         face: FaceId,
@@ -51,7 +51,7 @@ pub enum TopologyError {
         count: usize,
     },
     /// An edge of three or more faces.
-    #[error("the edge between vertices {a} and {b} has {faces} faces ({count} such edges in all)")]
+    #[error("the edge between vertices {a} and {b} has {faces} faces ({count} in all)")]
     NonManifoldEdge {
         /// One end of the first such edge.
         a: VertexId,
@@ -64,7 +64,7 @@ pub enum TopologyError {
     },
     /// Two faces that run along their common edge the same way; turning some faces around mends it.
     #[error(
-        "faces {first} and {second} are oriented against each other along the edge between vertices {a} and {b} ({count} such edges in all)"
+        "faces {first} and {second} are oriented against each other along the edge between vertices {a} and {b} ({count} in all)"
     )]
     InconsistentOrientation {
         /// One face at the first such edge.
@@ -87,7 +87,7 @@ pub enum TopologyError {
         second: FaceId,
     },
     /// A vertex where several fans of faces touch in a point.
-    #[error("the faces at vertex {vertex} form {fans} separate fans ({count} such vertices in all)")]
+    #[error("the faces at vertex {vertex} form {fans} separate fans ({count} in all)")]
     NonManifoldVertex {
         /// The first such vertex.
         vertex: VertexId,

@@ -33,7 +33,7 @@ pub enum GeometryError {
         vertex_count: usize,
     },
     /// NaN or infinite coordinates.
-    #[error("vertex {first} has a coordinate that is not finite ({count} such vertices in all)")]
+    #[error("vertex {first} has a coordinate that is not finite ({count} in all)")]
     NotFinite {
         /// The first such vertex.
         first: VertexId,
@@ -41,7 +41,7 @@ pub enum GeometryError {
         count: usize,
     },
     /// Triangles whose corners lie on one line (or in one point) to rounding.
-    #[error("face {first} has no area: its corners lie on one line ({count} such faces in all)")]
+    #[error("face {first} has no area: its corners lie on one line ({count} in all)")]
     ZeroArea {
         /// The first such face.
         first: FaceId,

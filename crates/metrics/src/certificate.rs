@@ -137,7 +137,8 @@ pub struct Certificate {
     /// The first vertices that are wound around.
     #[serde(serialize_with = "as_vertex_indices")]
     pub wound_vertices: Vec<VertexId>,
-    /// Pairs of faces that lie over each other, one for each of the first overlaps.
+    /// Pairs of faces that lie over each other, those of the first overlaps; a pair that overlaps in several places is
+    /// there once.
     #[serde(serialize_with = "as_pairs")]
     pub overlapping_faces: Vec<[FaceId; 2]>,
 }
@@ -179,6 +180,14 @@ impl Certificate {
 pub fn certify(mesh: &TriMesh, uv: &UvMap, precision: Precision) -> Result<Certificate, MetricsError> {
     let uv = rounded(uv, precision);
     Ok(of_survey(&Survey::new(mesh, &uv)?, None, precision))
+}
+
+/// The same for UVs that are what the format stores already, and need not be numbers of this precision: glTF stores `1 − v`.
+///
+/// # Errors
+/// As for [`certify`].
+pub fn certify_stored(mesh: &TriMesh, uv: &UvMap, precision: Precision) -> Result<Certificate, MetricsError> {
+    Ok(of_survey(&Survey::new(mesh, uv)?, None, precision))
 }
 
 /// The same certificate in less time, for a connected manifold whose corner table is at hand. A map that has not one

@@ -18,7 +18,7 @@ pub enum MetricsError {
         faces: usize,
     },
     /// A face with a NaN or infinite UV.
-    #[error("face {first} has a UV that is not finite ({count} such faces in all)")]
+    #[error("face {first} has a UV that is not finite ({count} in all)")]
     UvNotFinite {
         /// The first such face.
         first: FaceId,
@@ -26,7 +26,7 @@ pub enum MetricsError {
         count: usize,
     },
     /// A face with a NaN or infinite vertex.
-    #[error("face {first} has a vertex that is not finite ({count} such faces in all)")]
+    #[error("face {first} has a vertex that is not finite ({count} in all)")]
     PositionNotFinite {
         /// The first such face.
         first: FaceId,

@@ -36,7 +36,7 @@ mod sheet;
 mod triangle;
 mod winding;
 
-pub use certificate::{Certificate, Precision, certify, certify_connected};
+pub use certificate::{Certificate, Precision, certify, certify_connected, certify_stored};
 pub use error::MetricsError;
 pub use face::{FaceDistortion, Orientation, per_face};
 pub use measure::{Metrics, measure, measure_certified};

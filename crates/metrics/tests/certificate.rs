@@ -112,9 +112,18 @@ impl Drawing {
         for pair in &found.overlapping_faces {
             assert!(pairs.contains(&pair.map(FaceId::index)), "{pair:?} are no pair of {pairs:?}: {said}");
         }
+        let distinct: BTreeSet<_> = found.overlapping_faces.iter().collect();
+        assert_eq!(distinct.len(), found.overlapping_faces.len(), "a pair is named once: {said}");
         assert!(found.overlaps() == 0 || !found.overlapping_faces.is_empty(), "an example is named: {said}");
         found
     }
+}
+
+#[test]
+fn two_triangles_that_cross_six_times_are_one_pair() {
+    let places = vec![[0, 0], [6, 0], [3, 6], [0, 4], [3, -2], [6, 4]];
+    let found = Drawing { places, faces: vec![[0, 1, 2], [3, 4, 5]] }.check("a star");
+    assert_eq!((found.crossings, found.overlapping_faces), (6, vec![[FaceId::new(0), FaceId::new(1)]]));
 }
 
 /// Counter-clockwise triangles that share nothing but places.

@@ -249,7 +249,7 @@ fn what_cannot_be_measured_is_said() {
     let not_finite = uv.clone().mapped(|p| if p.y == 0.0 && p.x == 1.0 { Point2::new(f64::NAN, 0.0) } else { p });
     let e = refused(&flat, &not_finite);
     assert_eq!(e, MetricsError::UvNotFinite { first: FaceId::new(0), count: 1 });
-    assert_eq!(e.to_string(), "face 0 has a UV that is not finite (1 such faces in all)");
+    assert_eq!(e.to_string(), "face 0 has a UV that is not finite (1 in all)");
     let not_finite = sheet(1, |x, _| if x == 0.0 { f64::INFINITY } else { 0.0 });
     assert_eq!(refused(&not_finite, &uv), MetricsError::PositionNotFinite { first: FaceId::new(0), count: 2 });
 }

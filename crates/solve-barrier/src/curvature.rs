@@ -12,7 +12,7 @@
 //! `P` of the reduction is its inverse, so `S` is positive definite when every `M` is: `Λ` itself may have negative entries,
 //! one per triangle. Raising them to zero instead throws away what the three have in common. On a thin triangle whose
 //! angles want to shrink together (a cap) the positive entry then stands alone, 1e3 times too large, and steps become that
-//! much too short: the cut dino of Zayer, Lévy, Seidel (2007) took 127 of them, and takes 21.
+//! much too short: the cut dino of Zayer, Lévy, Seidel (2007) took several times as many of them.
 
 /// The diagonal whose form `M` is `exact`'s with every eigenvalue, measured in `metric > 0`, raised to at least `share`;
 /// `None` where `exact` is that convex already.

@@ -27,16 +27,8 @@
 //! # The floor of μ
 //!
 //! As μ → 0 the result tends to the optimum of ABF. On some meshes that optimum is degenerate: its smallest angles are 0.
-//! There the smallest angle falls with μ, and a floor keeps every triangle usable. With [`Barrier::smallest_angle`] at 0, on
-//! cow and dino of `docs/models.md`, the smallest angle in rad and `F/3nt`:
-//!
-//! | floor | cow | dino |
-//! | --- | --- | --- |
-//! | 1e-1 | 5.3e-2, 5.422e-3 | 4.9e-3, 1.214e-3 |
-//! | 1e-2 | 5.0e-2, 5.044e-3 | 6.3e-4, 1.101e-3 |
-//! | 1e-3 | 4.9e-2, 5.042e-3 | 6.6e-5, 1.100e-3 |
-//! | 1e-4 | 4.9e-2, 5.042e-3 | 6.7e-6, 1.100e-3 |
-//! | 1e-6 | 4.9e-2, 5.042e-3 | 6.7e-8, 1.100e-3 |
+//! There, as on the dino of `docs/models.md`, the smallest angle falls in proportion to μ while `F/3nt` no longer changes, and
+//! a floor keeps every triangle usable; elsewhere, as on its cow, a lower floor changes neither.
 //!
 //! A layout keeps angles at least 1e-6 from 0, so results with smaller ones close no longer and flip. That is what
 //! [`Barrier::smallest_angle`] is for: with it, a floor of 1e-8 does no harm. A floor of 1e-9 is within 1e-6 rad of the

@@ -185,9 +185,7 @@ impl<'p, 'a> Run<'p, 'a> {
         if let Some(interruption) = watch.interruption() {
             return Some(interruption);
         }
-        // One iteration asked for and made is what was asked.
-        let ran_out = if stop.max_iterations == 1 { Termination::OnePass } else { Termination::MaxIterations };
-        (made >= stop.max_iterations).then_some(ran_out)
+        (made >= stop.max_iterations).then_some(Termination::MaxIterations)
     }
 
     fn errors(&self) -> Errors {

@@ -165,7 +165,7 @@ fn limits_of_time_and_of_iterations_are_obeyed() {
     let least = two.history().iter().map(|r| r.constraint_residual).fold(f64::INFINITY, f64::min);
     assert_eq!(two.constraint_residual(), least, "the best angles so far");
     let one = with(StopCriteria { max_iterations: 1, ..StopCriteria::default() });
-    assert_eq!((one.termination(), one.iterations()), (Termination::OnePass, 1));
+    assert_eq!((one.termination(), one.iterations()), (Termination::MaxIterations, 1));
 }
 
 #[test]

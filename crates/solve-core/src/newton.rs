@@ -129,13 +129,13 @@ impl NewtonSettings {
                 break interruption;
             }
             if run.history.len() >= stop.max_iterations {
-                // One iteration asked for and made is what was asked, if its own solve was finished.
-                let is_made = run.history.last().is_some_and(|last| last.inner_converged);
-                let is_one = stop.max_iterations == 1 && is_made;
-                break if is_one { Termination::OnePass } else { Termination::MaxIterations };
+                break Termination::MaxIterations;
             }
         };
-        let angles = if termination.is_as_asked() { run.angles } else { run.best };
+        // Who limits a solve to one iteration wants to see that iteration, if its own solve was finished.
+        let is_one = stop.max_iterations == 1 && run.history.last().is_some_and(|last| last.inner_converged);
+        let is_shown = is_one && termination == Termination::MaxIterations;
+        let angles = if termination.is_as_asked() || is_shown { run.angles } else { run.best };
         Ok(AngleSolution::measure(problem, angles, termination, run.history))
     }
 

@@ -9,7 +9,8 @@ use std::fmt;
 pub enum Termination {
     /// The stopping criteria are met.
     Converged,
-    /// The one pass asked for is done.
+    /// The one pass that was asked for is done: one of LinABF, or the one linear solve of LSCM. To limit a solver to one
+    /// iteration is another thing, [`Termination::MaxIterations`].
     OnePass,
     /// The largest number of iterations or passes is done.
     MaxIterations,
@@ -82,6 +83,16 @@ pub struct IterationRecord {
     pub negative_curvature: usize,
     /// Whether the exact Hessian was given up for 2w in this step, and by whom.
     pub fallback: Option<Fallback>,
+}
+
+impl IterationRecord {
+    /// The residual of its linear solve, where there was one: an iteration whose right-hand side is within the tolerance
+    /// as it stands solves nothing, and its relative residual of 1 means nothing.
+    #[must_use]
+    pub fn solved_to(&self) -> Option<f64> {
+        let has_solved = self.inner_iterations > 0 || self.inner_residual != 1.0;
+        has_solved.then_some(self.inner_residual)
+    }
 }
 
 /// The angles a solver found, with their true state.

@@ -65,6 +65,9 @@ pub struct LinAbf {
     pub passes: Passes,
 }
 
+/// The paper's own method.
+const ONE_PASS: Passes = Passes::Exactly(NonZeroUsize::MIN);
+
 /// With [`Passes::Auto`]: how many passes in a row may fail to improve before giving up.
 const PATIENCE: usize = 4;
 
@@ -143,7 +146,8 @@ impl LinAbf {
         if run.best_residual <= stop.tolerance {
             Some(Termination::Converged)
         } else if done >= limit {
-            Some(if limit == 1 { Termination::OnePass } else { Termination::MaxIterations })
+            // One pass is a method of its own; a limit that happens to be 1 is a limit.
+            Some(if self.passes == ONE_PASS { Termination::OnePass } else { Termination::MaxIterations })
         } else if self.passes == Passes::Auto && run.passes_without_improvement >= PATIENCE {
             Some(Termination::Stalled)
         } else {

@@ -2,7 +2,7 @@
 
 use crate::unwrap::Unwrapped;
 use abf_mesh::{FaceId, TriMesh, UvId, UvMap};
-use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify, measure_certified};
+use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify_stored, measure_certified};
 
 /// The judgement of all charts together.
 pub(super) struct Judged {
@@ -28,7 +28,7 @@ pub(super) fn judge(
         let mut faces: Vec<FaceId> = charts.flat_map(|(chart, _)| chart.faces.iter().copied()).collect();
         faces.sort_unstable();
         let (part, map) = part_of(mesh, uv, &faces, &is_turned);
-        let found = in_input(certify(&part, &map, precision)?, &faces);
+        let found = in_input(certify_stored(&part, &map, precision)?, &faces);
         whole = Some(match whole {
             None => found,
             Some(before) => together(before, found),
@@ -55,7 +55,7 @@ fn invalid_charts(
     let mut invalid = Vec::new();
     for (i, chart) in unwrapped.charts.iter().enumerate() {
         let (part, map) = part_of(mesh, uv, &chart.faces, is_turned);
-        if !certify(&part, &map, precision)?.valid() {
+        if !certify_stored(&part, &map, precision)?.valid() {
             invalid.push(i);
         }
     }

@@ -15,6 +15,7 @@ use crate::errors::Failure;
 use crate::files;
 use crate::load::{Loaded, unusable};
 use crate::meshes::{self, Depth};
+use crate::number::count;
 use crate::record::Outcome;
 use crate::run::Flattened;
 use crate::source::Source;
@@ -52,7 +53,7 @@ fn try_compare(comparison: &Comparison) -> Result<Outcome, Failure> {
             outputs.add(&mesh)?;
         }
         if cancel.is_asked() {
-            console::words(&format!("cancelled: {done} of {} meshes are done\n", meshes.len()));
+            console::words(&format!("cancelled: {done} of {} done\n", count(meshes.len(), "mesh", "meshes")));
             break;
         }
     }

@@ -34,7 +34,7 @@ pub(crate) struct Run {
     pub(crate) iterations: usize,
     /// Inner iterations of all of them; refinement steps where the solve is direct.
     pub(crate) inner_iterations: usize,
-    /// `‖b − Ax‖ / ‖b‖` of the last linear solve, computed.
+    /// `‖b − Ax‖ / ‖b‖` of the last linear solve, computed; `None` where there was nothing left to solve.
     pub(crate) inner_residual: Option<f64>,
     /// The largest of all solves.
     pub(crate) inner_residual_worst: Option<f64>,
@@ -147,8 +147,8 @@ impl Run {
             energy: solution.filter(|_| has_a_fixed_target).map(AngleSolution::energy),
             iterations: solution.map_or(0, AngleSolution::iterations),
             inner_iterations: solution.map_or(0, AngleSolution::inner_iterations),
-            inner_residual: last.map(|record| record.inner_residual),
-            inner_residual_worst: history.iter().map(|record| record.inner_residual).reduce(worse),
+            inner_residual: last.and_then(IterationRecord::solved_to),
+            inner_residual_worst: history.iter().filter_map(IterationRecord::solved_to).reduce(worse),
             inner_estimate: last.and_then(|record| record.inner_estimate),
             inner_unconverged: history.iter().filter(|record: &&IterationRecord| !record.inner_converged).count(),
             negative_curvature: solution.filter(|_| is_diagonal).map(AngleSolution::negative_curvature),

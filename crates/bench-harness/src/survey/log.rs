@@ -5,11 +5,11 @@
 
 use super::lock;
 use super::row::{Entry, FileState};
-use super::settings::Survey;
+use super::settings::{Survey, difference};
 use super::summary::Counts;
 use crate::errors::Failure;
+use crate::files;
 use crate::record::{SCHEMA, pretty};
-use crate::{console, files};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
@@ -38,7 +38,7 @@ impl Log {
     /// Reads what there is to resume.
     ///
     /// # Errors
-    /// Results that are none of a survey, and a log that would be lost.
+    /// Results that are none of a survey or of one with other settings, and a log that would be lost.
     pub(super) fn open(survey: &Survey) -> Result<Self, Failure> {
         let (path, settings) = (survey.log(), survey.settings());
         let mut log = Self { path, settings, earlier: BTreeMap::new(), file: Mutex::new(None) };
@@ -114,26 +114,24 @@ impl Log {
         if document.schema != SCHEMA {
             return Err(Failure::no_survey(path, &format!("its \"schema\" is not \"{SCHEMA}\"")));
         }
-        self.add(path, &document.survey, document.results.iter().map(|result| result.get()));
-        Ok(())
+        self.add(path, &document.survey, document.results.iter().map(|result| result.get()))
     }
 
     fn add_log(&mut self, path: &Path) -> Result<(), Failure> {
         let Some(text) = read(path)? else { return Ok(()) };
         let (head, lines) = text.split_once('\n').unwrap_or((&text, ""));
         let head: Head = serde_json::from_str(head).map_err(|error| Failure::no_survey(path, &error.to_string()))?;
-        self.add(path, &head, lines.lines());
-        Ok(())
+        self.add(path, &head, lines.lines())
     }
 
-    fn add<'a>(&mut self, path: &Path, head: &Head, entries: impl Iterator<Item = &'a str>) {
-        if head.settings != self.settings {
-            let shown = path.display().to_string();
-            console::note(&shown, "made with other settings: its meshes are done again");
-            return;
+    fn add<'a>(&mut self, path: &Path, head: &Head, entries: impl Iterator<Item = &'a str>) -> Result<(), Failure> {
+        // Results of two kinds in one file would be compared as one; to do the others again would lose them unasked.
+        if let Some([what, before, now]) = difference(&head.settings, &self.settings) {
+            return Err(Failure::other_settings(path, what, before, now));
         }
         let entries = entries.filter_map(|text| Entry::read(text.to_owned()));
         self.earlier.extend(entries.map(|entry| (entry.row.mesh.clone(), entry)));
+        Ok(())
     }
 }
 

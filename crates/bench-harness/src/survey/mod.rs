@@ -13,6 +13,7 @@ mod summary;
 use crate::cancel::Cancel;
 use crate::errors::Failure;
 use crate::load::{Loaded, unusable};
+use crate::number::count;
 use crate::record::{Outcome, Record};
 use crate::settings::JsonTarget;
 use crate::source::Source;
@@ -48,7 +49,7 @@ fn try_survey(survey: &Survey) -> Result<Outcome, Failure> {
     let mut entries: Vec<Option<Entry>> = meshes.iter().map(|mesh| log.take(mesh)).collect();
     let kept = entries.iter().flatten().count();
     if survey.resume {
-        console::words(&format!("resumed: {kept} of {} meshes are done already\n", meshes.len()));
+        console::words(&format!("resumed: {kept} of {} done already\n", count(meshes.len(), "mesh", "meshes")));
     }
     log.start(entries.iter().flatten())?;
     let cancel = Cancel::on_ctrl_c();
@@ -60,7 +61,7 @@ fn try_survey(survey: &Survey) -> Result<Outcome, Failure> {
     let rows: Vec<&Row> = done.iter().map(|entry| &entry.row).collect();
     let counts = summary::Counts::of(&rows, meshes.len());
     if cancel.is_asked() {
-        console::words(&format!("cancelled: {} of {} meshes are done\n", done.len(), meshes.len()));
+        console::words(&format!("cancelled: {} of {} done\n", done.len(), count(meshes.len(), "mesh", "meshes")));
     }
     let json = || log::document(survey, &counts, &done);
     let shown = crate::show::show(&summary::text(&rows, &counts), json, survey.json.as_ref());

@@ -3,7 +3,7 @@
 use crate::advice::ending;
 use crate::number::{count, megabytes, seconds, significant};
 use crate::record::{Asked, Kkt, Quality, Record, Run, Size, Timings};
-use abf::Metrics;
+use abf::{Metrics, Precision};
 use std::fmt::Write;
 
 /// How many digits errors and stretch are shown with.
@@ -193,6 +193,9 @@ fn valid_line(quality: &Quality) -> String {
     if m.near_collapsed > 0 {
         let _ = write!(text, "; {} collapsed but for rounding", m.near_collapsed);
     }
+    if m.precision == Precision::Single {
+        text += "; stored in single precision";
+    }
     text
 }
 
@@ -210,8 +213,10 @@ fn injective_line(m: &Metrics) -> String {
         let text = if m.valid() { "yes: no overlap" } else { "no: not valid; its boundary does not cross itself" };
         return text.to_owned();
     }
-    let kinds = [(m.crossings, "crossings"), (m.meetings, "meetings"), (m.nested, "nested")];
-    let kinds: Vec<String> = kinds.iter().filter(|(n, _)| *n > 0).map(|(n, kind)| format!("{n} {kind}")).collect();
+    let kinds =
+        [(m.crossings, "crossing", "crossings"), (m.meetings, "meeting", "meetings"), (m.nested, "nested", "nested")];
+    let kinds: Vec<String> =
+        kinds.into_iter().filter(|kind| kind.0 > 0).map(|(n, one, all)| count(n, one, all)).collect();
     let pairs: Vec<String> = m.overlapping_faces.iter().take(PAIRS).map(|[a, b]| format!("{a} over {b}")).collect();
     let more = if m.overlaps() > pairs.len() { ", …" } else { "" };
     let named = if pairs.is_empty() {

@@ -1,12 +1,16 @@
 //! Disks that are full, pipes that close, memory that ends, a program that is killed.
 
 use crate::support::{Folder, Ran, fixture, program, run, run_on};
+use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::thread;
 use std::time::Duration;
 
 const FULL: &str = "/dev/full";
+
+/// SIGABRT.
+const ABORT: i32 = 6;
 
 #[test]
 fn a_full_disk_is_named_and_the_result_is_shown_all_the_same() {
@@ -48,6 +52,17 @@ fn a_folder_that_may_not_be_written_to_is_named_before_the_work() {
     let ran = run([fixture("pyramid").as_os_str(), "-o".as_ref(), "/proc/out.obj".as_ref()]);
     assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{}", ran.stderr);
     assert!(ran.stderr.contains("error: /proc/out.obj: cannot be written"), "{}", ran.stderr);
+    // That folder exists: to make it would not help.
+    assert!(ran.stderr.contains("hint: no file can be made in that folder"), "{}", ran.stderr);
+    let folder = Folder::new();
+    let link = folder.path("link.obj");
+    std::os::unix::fs::symlink("missing/out.obj", &link).expect("a link");
+    let file = folder.file("file", "");
+    for (target, hint) in [(link, "the link leads into a folder that is not there"), (file.join("a.obj"), "is a file")]
+    {
+        let ran = run([fixture("pyramid").as_os_str(), "-o".as_ref(), target.as_os_str()]);
+        assert!(ran.code == 2 && ran.stderr.contains(hint), "{}", ran.stderr);
+    }
 }
 
 #[test]
@@ -96,26 +111,50 @@ fn a_killed_program_leaves_a_whole_file_or_none() {
     }
 }
 
+/// Runs on the mask within so much address space; the shell becomes the program, so its end is seen as it is.
+fn within_address_space(kilobytes: u32, out: &Path) -> Output {
+    let script = format!("ulimit -v {kilobytes}; exec \"$0\" --threads 1 \"$1\" -o \"$2\"");
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &script, env!("CARGO_BIN_EXE_bench-harness")]).arg(fixture("mask")).arg(out);
+    shell.output().expect("a shell")
+}
+
 #[test]
 fn a_program_without_memory_says_so_and_leaves_no_file() {
     let (mut failed, mut finished) = (0, 0);
     for kilobytes in [30_000, 60_000, 120_000, 4_000_000] {
         let folder = Folder::new();
         let out = folder.path("out.obj");
-        let script = format!("ulimit -v {kilobytes}; exec \"$0\" --threads 1 \"$1\" -o \"$2\"");
-        let mut shell = Command::new("sh");
-        shell.args(["-c", &script, env!("CARGO_BIN_EXE_bench-harness")]).arg(fixture("mask")).arg(&out);
-        let ran = shell.output().expect("a shell");
+        let ran = within_address_space(kilobytes, &out);
+        let said = String::from_utf8_lossy(&ran.stderr).into_owned();
         if ran.status.success() {
             finished += 1;
             assert!(out.is_file());
         } else {
             failed += 1;
-            assert!(!out.exists() && !ran.stderr.is_empty(), "{kilobytes}");
+            // Rust ends a program whose allocation fails: its allocator says so, and nobody can do anything after it.
+            let is_named = ran.status.code() == Some(2) && said.starts_with("error: ") && said.contains("hint: ");
+            let is_abort = ran.status.signal() == Some(ABORT) && said.starts_with("memory allocation of ");
+            assert!(is_named || is_abort, "{kilobytes}: {} {said}", ran.status);
+            assert!(!out.exists(), "{kilobytes}");
         }
         assert_eq!(folder.count(), usize::from(out.exists()), "no temporary file is left");
     }
     assert!(failed > 0 && finished > 0, "{failed} failed, {finished} finished");
+}
+
+#[test]
+fn who_names_the_limit_is_refused_by_name_before_memory_is_taken() {
+    for kilobytes in [30_000, 60_000, 120_000] {
+        let folder = Folder::new();
+        let out = folder.path("out.obj");
+        let options = format!("--solver abf --max-memory {kilobytes}k -o {}", out.display());
+        let ran = run_on(&options, &[&fixture("mask")]);
+        assert_eq!(ran.code, 2, "{kilobytes}: {}", ran.stderr);
+        assert!(ran.stderr.contains("the solver 'abf' would take about"), "{}", ran.stderr);
+        assert!(ran.stderr.contains(&format!("the limit is {} MB", kilobytes / 1000)), "{}", ran.stderr);
+        assert_eq!(folder.count(), 0, "no file is left");
+    }
 }
 
 #[test]

@@ -124,6 +124,6 @@ fn a_comparison_that_is_cancelled_keeps_the_meshes_that_were_done() {
     std::fs::copy(fixture("pyramid"), &pipe).expect("written");
     let ran = Ran::new(child.wait_with_output().expect("it ends"));
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(ran.stderr.contains("cancelled: 1 of 3 meshes are done"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("cancelled: 1 of 3 meshes done"), "{}", ran.stderr);
     assert_the_first_mesh_is_kept(&folder);
 }

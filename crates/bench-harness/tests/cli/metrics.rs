@@ -174,3 +174,36 @@ fn metrics_needs_a_file() {
     assert_eq!((ran.code, ran.stdout.as_str()), (2, ""));
     assert!(ran.stderr.contains("<FILE>"), "{}", ran.stderr);
 }
+
+#[test]
+fn uvs_are_certified_with_the_bits_that_the_file_stores() {
+    let folder = Folder::new();
+    // Its third UV is beside the line of the other two by less than a single can tell.
+    let ply = |kind: &str| {
+        let properties: String = ["x", "y", "z"].iter().map(|name| format!("property double {name}\n")).collect();
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\n{properties}property {kind} u\nproperty {kind} v\n\
+             element face 1\nproperty list uchar int vertex_indices\nend_header\n\
+             0 0 0 0 1\n1 0 0 1 1\n0 1 0 0.5 1.00000001\n3 0 1 2\n"
+        )
+    };
+    for (kind, precision, code, collapsed) in [("double", "double", 0, 0), ("float", "single", 1, 1)] {
+        let ran = run_on("metrics --json -", &[&folder.file("a.ply", ply(kind))]);
+        let result = ran.result();
+        assert_eq!((ran.code, &result["uv_precision"]), (code, &precision.into()), "{kind}: {}", ran.stderr);
+        assert_eq!(result["collapsed"], collapsed, "{kind}");
+    }
+    let ran = run_on("metrics", &[&folder.file("a.ply", ply("float"))]);
+    assert!(ran.stdout.contains("single"), "{}", ran.stdout);
+}
+
+#[test]
+fn a_folder_is_refused_with_the_commands_that_take_one() {
+    let folder = Folder::new();
+    let folder = folder.path("");
+    for command in ["metrics", ""] {
+        let ran = run_on(command, &[&folder]);
+        assert_eq!(ran.code, 2, "{}", ran.stderr);
+        assert!(ran.stderr.contains("survey DIR") && ran.stderr.contains("compare DIR"), "{}", ran.stderr);
+    }
+}

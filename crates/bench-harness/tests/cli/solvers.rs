@@ -115,13 +115,27 @@ fn too_few_inner_iterations_end_unconverged_and_say_so() {
 }
 
 #[test]
-fn one_iteration_that_was_asked_for_is_one_pass() {
-    for solver in ["abf++", "linabf", "abf-newton"] {
+fn a_limit_of_one_iteration_is_a_limit_and_one_pass_is_a_method() {
+    for solver in ["abf++", "linabf", "abf-newton", "barrier", "descent"] {
         let ran = run_on(&format!("--solver {solver} --max-iterations 1 --json -"), &[&fixture("letter-v")]);
         let result = ran.result();
-        assert_eq!((ran.code, &result["termination"]), (0, &"one-pass".into()), "{solver}: {}", ran.stderr);
-        assert!(number(&result["constraint_residual"]) > 1e-8, "{solver}");
+        assert_eq!((ran.code, &result["termination"]), (1, &"max-iterations".into()), "{solver}: {}", ran.stderr);
+        assert!(ran.stderr.contains("try --max-iterations 2"), "{}", ran.stderr);
     }
+    let ran = run_on("--solver linabf --passes 1 --json -", &[&fixture("letter-v")]);
+    let result = ran.result();
+    assert_eq!((ran.code, &result["termination"]), (0, &"one-pass".into()), "{}", ran.stderr);
+    assert!(number(&result["constraint_residual"]) > 1e-8);
+}
+
+#[test]
+fn a_pass_that_has_nothing_to_solve_has_no_residual_of_it() {
+    // Flat to rounding: the estimate meets the constraints as it stands.
+    let result = run_on("--solver linabf --json -", &[&fixture("roll")]).result();
+    assert_eq!((&result["inner_iterations"], &result["iterations"]), (&0.into(), &1.into()));
+    assert!(result["inner_residual"].is_null() && result["inner_residual_worst"].is_null(), "{result}");
+    let result = run_on("--solver abf++ --json -", &[&fixture("roll")]).result();
+    assert!(number(&result["inner_residual"]) < 1e-6, "{result}");
 }
 
 #[test]

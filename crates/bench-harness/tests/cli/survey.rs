@@ -96,6 +96,7 @@ fn unusable_usage_is_exit_code_2() {
     let mesh = meshes.join("a.obj");
     for (options, said) in [
         (format!("survey {}", folder.path("empty").display()), "there is no mesh below it"),
+        (format!("survey {}", folder.path("nodir").display()), "nodir: cannot be read: No such file"),
         ("survey".to_owned(), "required"),
         (format!("survey --solver all {}", mesh.display()), "there is no solver 'all'"),
         (format!("survey --jobs 0 {}", mesh.display()), "1..=1024"),
@@ -122,16 +123,23 @@ fn a_survey_resumes_with_what_has_not_changed() {
     fs::remove_file(meshes.join("damaged.obj")).expect("removed");
     let ran = survey("--resume --jobs 1");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert!(ran.stderr.contains("resumed: 3 of 5 meshes are done already"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("resumed: 3 of 5 meshes done already"), "{}", ran.stderr);
     let after = read(&json);
     assert_eq!(names(&after), ["a.obj", "b.obj", "closed.obj", "c.obj", "new.obj"]);
     // Not merely the same figures: the same run, with its times.
     assert_eq!(after["results"][0], before["results"][0]);
     assert_eq!(after["results"][3], before["results"][4]);
 
-    let ran = survey("--resume --passes 1");
-    assert!(ran.stderr.contains("made with other settings"), "{}", ran.stderr);
-    assert!(ran.stderr.contains("resumed: 0 of 5"), "{}", ran.stderr);
+    // With other settings it would be another survey, and this one lost.
+    for (options, said) in [
+        ("--resume --passes 1", "made with passes Auto, and asked for is Exactly(1)"),
+        ("--resume --solver linabf", "made with solver Auto, and asked for is LinAbf"),
+    ] {
+        let ran = survey(options);
+        assert_eq!(ran.code, 2, "{}", ran.stderr);
+        assert!(ran.stderr.contains(said) && ran.stderr.contains("hint: go on with the settings"), "{}", ran.stderr);
+        assert_eq!(read(&json), after);
+    }
 
     fs::write(&json, "{}").expect("written");
     let ran = survey("--resume");
@@ -157,7 +165,7 @@ fn a_log_that_was_cut_short_is_resumed_and_never_lost_unasked() {
     assert_eq!(ran.code, 2, "{}", ran.stderr);
     assert!(ran.stderr.contains("--resume") && log.exists() && !json.exists(), "{}", ran.stderr);
     let ran = survey("--resume");
-    assert!(ran.stderr.contains("resumed: 2 of 5 meshes are done already"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("resumed: 2 of 5 meshes done already"), "{}", ran.stderr);
     assert!(!log.exists());
     assert_eq!(read(&json)["results"][1], done["results"][1]);
     assert_eq!(names(&read(&json)), names(&done));
@@ -192,7 +200,7 @@ mod interrupted {
         fs::copy(fixture("pyramid"), &pipe).expect("written");
         let ran = Ran::new(child.wait_with_output().expect("it ends"));
         assert_eq!(ran.code, 1, "{}", ran.stderr);
-        assert!(ran.stderr.contains("cancelled: 1 of 3 meshes are done"), "{}", ran.stderr);
+        assert!(ran.stderr.contains("cancelled: 1 of 3 meshes done"), "{}", ran.stderr);
         assert!(ran.stdout.contains("1 of 3 meshes: 1 valid"), "{}", ran.stdout);
         assert_eq!(names(&read(&json)), ["obtuse.obj"]);
         assert_eq!(folder.count(), 2, "the pipe and one whole file");

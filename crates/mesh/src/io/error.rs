@@ -88,7 +88,7 @@ pub enum ReadError {
         text: String,
     },
     /// A vertex coordinate that is NaN or infinite, or too large for 64 bits.
-    #[error("{at}: the vertex has a coordinate that is not finite ({count} such vertices in all)")]
+    #[error("{at}: the vertex has a coordinate that is not finite ({count} in all)")]
     NotFinite {
         /// The first such vertex.
         at: Location,
@@ -130,9 +130,7 @@ pub enum ReadError {
         text: String,
     },
     /// An index of nothing.
-    #[error(
-        "{at}: {what} index {index} is out of range: there are {available}, counted from {base} ({count} such indices in all)"
-    )]
+    #[error("{at}: {what} index {index} is out of range: there are {available}, counted from {base} ({count} in all)")]
     IndexOutOfRange {
         /// The first such face.
         at: Location,

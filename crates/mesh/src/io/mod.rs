@@ -129,6 +129,10 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
         return Err(ReadError::Open { file, cause: ErrorKind::IsADirectory.into() });
     }
     let Some(format) = MeshFormat::from_path(path) else {
+        // What does not exist has no wrong extension.
+        if let Err(cause) = std::fs::metadata(path) {
+            return Err(ReadError::Open { file, cause });
+        }
         return Err(ReadError::UnknownExtension { file, known: MeshFormat::known() });
     };
     if matches!(format, MeshFormat::Glb | MeshFormat::Gltf) {

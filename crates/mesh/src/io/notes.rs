@@ -22,6 +22,8 @@ pub struct ReadNotes {
     pub vertices_welded: usize,
     /// Why there is no UV map though the file has UVs.
     pub uv_dropped: Option<UvDropped>,
+    /// Whether the file stores its UVs with 24 bits (PLY's `float`): what is proved of them is to be proved of those.
+    pub uv_single: bool,
     /// What was not read: keywords of OBJ, properties and elements of PLY and the like, with how
     /// many there were of each.
     pub ignored: BTreeMap<String, usize>,

@@ -42,7 +42,7 @@ fn broken_obj_numbers_name_their_line() {
     let missing = "f, line 1: 0 coordinates where 1 are needed";
     refuses!(Obj, "vt\n", ReadError::MissingCoordinate { .. }, missing);
     let text = format!("{TRIANGLE}v nan 0 0\nv 0 -inf 0\nv 0 0 1e999\nf 1 2 3\n");
-    let message = "f, line 4: the vertex has a coordinate that is not finite (3 such vertices in all)";
+    let message = "f, line 4: the vertex has a coordinate that is not finite (3 in all)";
     refuses!(Obj, text, ReadError::NotFinite { count: 3, .. }, message);
     let text = format!("v 0 \\\n0 0\n{TRIANGLE}v x 0 0\n");
     refuses!(Obj, text, ReadError::BadNumber { .. }, "f, line 6: `x` is not a number");
@@ -59,20 +59,20 @@ fn broken_obj_indices_name_their_line() {
     refuses!(Obj, after("f 1 2 3\nf 0/1 1 2"), ReadError::IndexZero { .. }, message);
     let message = "f, line 5: `1/0` has index 0, but indices count from 1";
     refuses!(Obj, after("f 1/0 1 2"), ReadError::IndexZero { .. }, message);
-    let message = "f, line 5: vertex index 4 is out of range: there are 3, counted from 1 (2 such indices in all)";
+    let message = "f, line 5: vertex index 4 is out of range: there are 3, counted from 1 (2 in all)";
     refuses!(
         Obj,
         after("f 1 2 4\nf 9 1 2\n"),
         ReadError::IndexOutOfRange { index: 4, available: 3, count: 2, .. },
         message
     );
-    let message = "f, line 5: vertex index -4 is out of range: there are 3, counted from 1 (2 such indices in all)";
+    let message = "f, line 5: vertex index -4 is out of range: there are 3, counted from 1 (2 in all)";
     refuses!(Obj, after("f 1 2 -4\nf 9 1 2\nv 4 4 4\n"), ReadError::IndexOutOfRange { index: -4, .. }, message);
-    let message = "f, line 5: vertex index 5 is out of range: there are 3, counted from 1 (2 such indices in all)";
+    let message = "f, line 5: vertex index 5 is out of range: there are 3, counted from 1 (2 in all)";
     refuses!(Obj, after("f 1 2 5\nf -9 1 2\n"), ReadError::IndexOutOfRange { index: 5, .. }, message);
-    let message = "f, line 5: UV index 2 is out of range: there are 1, counted from 1 (1 such indices in all)";
+    let message = "f, line 5: UV index 2 is out of range: there are 1, counted from 1 (1 in all)";
     refuses!(Obj, after("f 1/2 2/1 3/1\n"), ReadError::IndexOutOfRange { what: "UV", .. }, message);
-    let message = "f, line 5: UV index -2 is out of range: there are 1, counted from 1 (1 such indices in all)";
+    let message = "f, line 5: UV index -2 is out of range: there are 1, counted from 1 (1 in all)";
     refuses!(Obj, after("f 1/-2 2/1 3/1\nvt 1 1\n"), ReadError::IndexOutOfRange { what: "UV", .. }, message);
     let message = format!("f, line 5: vertex index {} is out of range", i64::MIN);
     let e = parse(MeshFormat::Obj, "f", after(&format!("f 1 2 {}", i64::MIN)).as_bytes()).unwrap_err();
@@ -126,11 +126,11 @@ fn broken_off_files_name_their_line() {
         ReadError::MissingValue { .. },
         "f, line 6: the line ends before corner 3 of 4"
     );
-    let message = "f, line 6: vertex index 3 is out of range: there are 3, counted from 0 (1 such indices in all)";
+    let message = "f, line 6: vertex index 3 is out of range: there are 3, counted from 0 (1 in all)";
     refuses!(Off, format!("{head}3 0 1 3"), ReadError::IndexOutOfRange { base: 0, .. }, message);
-    let message = "f, line 6: vertex index -1 is out of range: there are 3, counted from 0 (1 such indices in all)";
+    let message = "f, line 6: vertex index -1 is out of range: there are 3, counted from 0 (1 in all)";
     refuses!(Off, format!("{head}3 0 1 -1"), ReadError::IndexOutOfRange { .. }, message);
-    let message = "f, line 3: the vertex has a coordinate that is not finite (1 such vertices in all)";
+    let message = "f, line 3: the vertex has a coordinate that is not finite (1 in all)";
     refuses!(Off, format!("{head}3 0 1 2").replacen("0 0 0", "0 0 inf", 1), ReadError::NotFinite { .. }, message);
     let message = "f, line 2: 4 coordinates where 5 are needed";
     refuses!(Off, "STOFF 1 1 0\n0 0 0 0\n3 0 0 0\n", ReadError::MissingCoordinate { .. }, message);
@@ -182,7 +182,7 @@ fn broken_ply_rows_name_their_line() {
     refuses!(Ply, bad("1 0 0\n", "1 o 0\n"), ReadError::BadNumber { .. }, "f, line 11: `o` is not a number");
     let message = "f, line 11: the line ends before a value of `z`";
     refuses!(Ply, bad("1 0 0\n", "1 0\n"), ReadError::MissingValue { .. }, message);
-    let message = "f, line 11: the vertex has a coordinate that is not finite (1 such vertices in all)";
+    let message = "f, line 11: the vertex has a coordinate that is not finite (1 in all)";
     refuses!(Ply, bad("1 0 0\n", "1 0 NaN\n"), ReadError::NotFinite { .. }, message);
     refuses!(Ply, ply_with("\n\n"), ReadError::UnexpectedEnd { .. }, "f: the file ends before `face` 0 of 1");
     refuses!(Ply, ply_with("3 0 1 1.5"), ReadError::BadIndex { .. }, "f, line 13: `1.5` is not an index");
@@ -192,7 +192,7 @@ fn broken_ply_rows_name_their_line() {
     let message =
         "f, line 13: the list `vertex_indices` has length -3; it should be a whole number that is not negative";
     refuses!(Ply, ply_with("-3 0 1 2"), ReadError::BadListLength { .. }, message);
-    let message = "f, line 13: vertex index -1 is out of range: there are 3, counted from 0 (2 such indices in all)";
+    let message = "f, line 13: vertex index -1 is out of range: there are 3, counted from 0 (2 in all)";
     refuses!(Ply, ply_with("3 -1 1 3"), ReadError::IndexOutOfRange { count: 2, .. }, message);
     let texcoord =
         ply_with("3 0 1 2 5 0 0 1 0 1").replace("_indices\n", "_indices\nproperty list uchar float texcoord\n");
@@ -225,15 +225,12 @@ fn broken_binaries_name_the_byte() {
         file[at..at + bytes.len()].copy_from_slice(bytes);
         file
     };
-    let message =
-        format!("f, byte {}: the vertex has a coordinate that is not finite (1 such vertices in all)", body + 24);
+    let message = format!("f, byte {}: the vertex has a coordinate that is not finite (1 in all)", body + 24);
     let bytes = edited(body + 24 + 8, &f64::INFINITY.to_le_bytes());
     refuses!(Ply, bytes, ReadError::NotFinite { .. }, message.as_str());
     let faces = body + 5 * 24;
-    let message = format!(
-        "f, byte {}: vertex index 5 is out of range: there are 5, counted from 0 (1 such indices in all)",
-        faces + 13
-    );
+    let message =
+        format!("f, byte {}: vertex index 5 is out of range: there are 5, counted from 0 (1 in all)", faces + 13);
     let bytes = edited(faces + 13 + 1, &[5, 0, 0, 0]);
     refuses!(Ply, bytes, ReadError::IndexOutOfRange { .. }, message.as_str());
     let message = format!("f: truncated: {} bytes or more are expected, {} are there", good.len(), good.len() - 2);
@@ -244,7 +241,7 @@ fn broken_binaries_name_the_byte() {
     refuses!(Stl, bytes[..283], ReadError::Truncated { .. }, message);
     refuses!(Stl, "short", ReadError::Truncated { .. }, "f: truncated: 84 bytes or more are expected, 5 are there");
     bytes[84 + 50 + 12..84 + 50 + 16].copy_from_slice(&f32::NAN.to_le_bytes());
-    let message = "f, byte 134: the vertex has a coordinate that is not finite (1 such vertices in all)";
+    let message = "f, byte 134: the vertex has a coordinate that is not finite (1 in all)";
     refuses!(Stl, bytes, ReadError::NotFinite { .. }, message);
 }
 

@@ -60,7 +60,7 @@ impl Overlaps {
     /// Finds crossings, and returns where a segment passes a spot that is not its end.
     fn cross(&mut self, outline: &Outline, pieces: &mut DisjointSets, listed: usize) -> Vec<(u32, u32)> {
         let mut passes = Vec::new();
-        let mut crossed: Vec<(u32, u32)> = Vec::new();
+        let mut crossed: Vec<[Option<FaceId>; 2]> = Vec::new();
         let tree = BoxTree::new((0..outline.segments.len() as u32).collect(), |s| outline.extent(s));
         tree.pairs(|i, j| {
             if !outline.extent(i).meets(&outline.extent(j)) {
@@ -72,8 +72,11 @@ impl Overlaps {
             if sides[0] * sides[1] < 0 && other_sides[0] * other_sides[1] < 0 {
                 self.crossings += 1;
                 pieces.join(a.low as usize, b.low as usize);
-                if crossed.len() < listed {
-                    crossed.push((i.min(j), i.max(j)));
+                let mut faces = [a.face(), b.face()];
+                faces.sort_unstable();
+                // Two triangles may cross six times.
+                if crossed.len() < listed && !crossed.contains(&faces) {
+                    crossed.push(faces);
                 }
             }
             let on =
@@ -84,10 +87,7 @@ impl Overlaps {
                 }
             }
         });
-        for (i, j) in crossed {
-            let faces = [i, j].map(|s| outline.segments[s as usize].face());
-            self.name(faces, listed);
-        }
+        crossed.into_iter().for_each(|faces| self.name(faces, listed));
         passes.sort_unstable();
         passes.dedup();
         passes.iter().for_each(|&(spot, s)| pieces.join(spot as usize, outline.segments[s as usize].low as usize));
@@ -179,7 +179,10 @@ impl Overlaps {
 
     fn name(&mut self, faces: [Option<FaceId>; 2], listed: usize) {
         if let ([Some(a), Some(b)], true) = (faces, self.faces.len() < listed) {
-            self.faces.push([a.min(b), a.max(b)]);
+            let pair = [a.min(b), a.max(b)];
+            if !self.faces.contains(&pair) {
+                self.faces.push(pair);
+            }
         }
     }
 }

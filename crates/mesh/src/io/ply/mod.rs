@@ -8,7 +8,7 @@
 mod header;
 mod rows;
 
-use header::{Element, Encoding, Header, Property};
+use header::{Element, Encoding, Header, Property, Scalar};
 use rows::{BinaryRows, Rows, TextRows, whole};
 
 use super::MeshFile;
@@ -38,6 +38,7 @@ pub(super) fn parse(file: &str, bytes: &[u8]) -> Result<MeshFile, ReadError> {
             ply.elements(file, &header, BinaryRows::new(file, bytes, &header))?;
         }
     }
+    ply.gather.notes.uv_single = ply.uv.is_single(&header.elements);
     ply.gather.finish()
 }
 
@@ -58,6 +59,19 @@ impl UvPlace {
         }
         let has = |name: &str| properties("vertex").any(|p| p.length.is_none() && p.name == name);
         UV_NAMES.into_iter().find(|pair| pair.iter().all(|name| has(name))).map_or(Self::Nowhere, Self::Vertex)
+    }
+}
+
+impl UvPlace {
+    /// Whether all that is stored there has 24 bits.
+    fn is_single(self, elements: &[Element]) -> bool {
+        let (element, names) = match self {
+            Self::Nowhere => return false,
+            Self::Vertex(pair) => ("vertex", pair.to_vec()),
+            Self::Corner => ("face", vec![TEXCOORD]),
+        };
+        let mut stored = elements.iter().filter(|e| e.name == element).flat_map(|e| &e.properties);
+        stored.all(|p| !names.contains(&p.name.as_str()) || p.value == Scalar::F32)
     }
 }
 
