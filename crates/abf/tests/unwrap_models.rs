@@ -7,9 +7,9 @@
 mod support;
 
 use abf::cut::{HoleFilling, outer_loop};
-use abf::mesh::{CornerId, Topology, TriMesh, UvMap, VertexId};
+use abf::mesh::{CornerId, Topology, TriMesh, UvMap, VertexId, io};
 use abf::metrics::{measure, per_face};
-use abf::{HoleRule, Silent, SurfaceHints, Unwrap, UnwrapError, Unwrapped, UnwrappedChart};
+use abf::{Atlas, HoleRule, Precision, Silent, SurfaceHints, Unwrap, UnwrapError, Unwrapped, UnwrappedChart};
 use std::cmp::Reverse;
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -67,6 +67,14 @@ fn every_raw_model_comes_out_in_certified_charts() {
             components.iter().map(|c| c.1).sum::<usize>(),
             unwrapped.repairs.sentences().join("; ")
         );
+        // The atlas as two kinds of files store it.
+        let formats: [(abf::Stored, Precision); 2] = [(|p| p, Precision::Double), (io::stored_uv, Precision::Single)];
+        for stored in formats {
+            let packed = Atlas::default().pack(&mesh, &unwrapped, None, stored).expect("an atlas");
+            if !packed.metrics.injective() {
+                misses.push(format!("{name}: the atlas of {} is not one to one", stored.1));
+            }
+        }
         if !unwrapped.is_certified() {
             misses.push(format!("{name}: a chart without certificate"));
         }

@@ -79,6 +79,22 @@ fn rung(rung: &Rung) -> String {
     }
 }
 
+/// What to try next with charts that are not as asked.
+pub(crate) fn next_for_charts(record: &Record) -> Option<String> {
+    let atlas = record.atlas.as_ref()?;
+    let termination = atlas.termination()?;
+    let invalid = atlas.charts.iter().filter(|chart| !chart.valid).count();
+    if termination == Termination::TimeLimit {
+        return Some("give it a longer --time-limit: it is one for all charts".to_owned());
+    }
+    if invalid > 0 || record.quality.as_ref().is_some_and(|quality| !quality.valid) {
+        return Some(
+            "try a smaller --max-stretch, which cuts further, or write an obj or ply, which hold doubles".to_owned(),
+        );
+    }
+    (!termination.is_as_asked()).then(|| "try more --max-iterations, or a smaller --max-stretch".to_owned())
+}
+
 /// How near the UVs are to what doubles can hold; `None` where there is room to spare.
 pub(crate) fn precision(record: &Record) -> Option<String> {
     /// Only the size of such a number matters.

@@ -4,6 +4,7 @@ use crate::args::{ChartArgs, SeamsFrom};
 use crate::errors::Failure;
 use crate::load::Loaded;
 use crate::methods::usage;
+use crate::number::count;
 use crate::record::{Atlas as AtlasRecord, Charted};
 use abf::cut::RepairReport;
 use abf::{Atlas, Observer, Packed, Pipeline, Precision, SeamRule, Stored, SurfaceHints, Unwrap, Unwrapped};
@@ -49,10 +50,24 @@ impl Charting {
     ///
     /// # Errors
     /// A usage error that names the option and its range.
-    pub(crate) fn new(args: ChartArgs, output: Option<&Path>) -> Result<Self, clap::Error> {
+    pub(crate) fn new(args: ChartArgs, inputs: &[PathBuf], output: Option<&Path>) -> Result<Self, clap::Error> {
         let is_asked = args.is_asked();
         let (unwrap, atlas) = (Unwrap::default(), Atlas::default());
         let wrong = |message: String| Err(usage(ErrorKind::ValueValidation, message));
+        let format = output.and_then(MeshFormat::from_path);
+        let to_gltf = matches!(format, Some(MeshFormat::Glb | MeshFormat::Gltf));
+        if args.disks_only && to_gltf {
+            let message = "a glTF takes an atlas: leave out --disks-only, or write an obj or ply";
+            return Err(usage(ErrorKind::ArgumentConflict, message));
+        }
+        let is_gltf = |path: &PathBuf| matches!(MeshFormat::from_path(path), Some(MeshFormat::Glb | MeshFormat::Gltf));
+        for (option, is_given) in [("--remap", args.remap.is_some()), ("--overwrite", args.overwrite)] {
+            if is_given && !(to_gltf && inputs.iter().any(is_gltf)) {
+                let message =
+                    format!("{option} concerns a glTF that is read and written as one: name it, and -o FILE.glb");
+                return Err(usage(ErrorKind::ArgumentConflict, message));
+            }
+        }
         if args.disks_only && is_asked {
             let message = "--disks-only makes no charts: leave out the options of charts, or it";
             return Err(usage(ErrorKind::ArgumentConflict, message));
@@ -78,7 +93,6 @@ impl Charting {
         }
         let seams = args.seams.unwrap_or_default();
         let rule = if seams == SeamsFrom::Auto { SeamRule::Auto } else { SeamRule::Keep };
-        let format = output.and_then(MeshFormat::from_path);
         Ok(Self {
             unwrap: Unwrap {
                 seams: rule,
@@ -96,7 +110,7 @@ impl Charting {
             seam_lines: args.seam_lines,
             remap: args.remap,
             overwrite: args.overwrite,
-            to_gltf: matches!(format, Some(MeshFormat::Glb | MeshFormat::Gltf)),
+            to_gltf,
         })
     }
 
@@ -149,6 +163,17 @@ impl Charting {
 
     fn record(&self, unwrapped: &Unwrapped, packed: &Packed) -> AtlasRecord {
         let repairs: &RepairReport = &unwrapped.repairs;
+        let mut said = repairs.sentences();
+        if unwrapped.without_area > 0 {
+            let faces = count(unwrapped.without_area, "face", "faces");
+            said.push(format!("{faces} of components without any area put into one point"));
+        }
+        if !unwrapped.turned.is_empty() || !unwrapped.followers.is_empty() {
+            said.push(
+                "charts are judged as repaired; in the order of the file, turned and dropped faces count as they stand"
+                    .to_owned(),
+            );
+        }
         AtlasRecord {
             charts: unwrapped
                 .charts
@@ -165,7 +190,7 @@ impl Charting {
             seam_length: unwrapped.seam_length,
             diagonal: unwrapped.diagonal,
             max_stretch: self.unwrap.max_stretch,
-            repairs: repairs.sentences(),
+            repairs: said,
         }
     }
 }

@@ -64,6 +64,12 @@ impl Failure {
         Self::new(("no-seams", hint), format!("{mesh}: it has no seams to keep"))
     }
 
+    /// A picture of more than one page.
+    pub(crate) fn several_pages(path: &Path, pages: usize) -> Self {
+        let hint = "take --atlas one for a picture";
+        Self::new(("no-picture", hint), format!("{}: there are {pages} pages, and a picture shows one", path.display()))
+    }
+
     /// A remap of vertices that there is none of.
     pub(crate) fn no_remap(path: &Path) -> Self {
         let hint = "name a glTF as input and one as --output";
@@ -119,7 +125,7 @@ impl Failure {
 
     /// A folder without meshes.
     pub(crate) fn no_meshes(folder: &Path) -> Self {
-        let hint = "name a folder with obj, off, ply or stl files in it or below it";
+        let hint = "name a folder with obj, off, ply, stl, gltf or glb files in it or below it";
         Self::new(("no-meshes", hint), format!("{}: there is no mesh below it", folder.display()))
     }
 

@@ -102,6 +102,9 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     if let Some(failure) = &record.error {
         console::failure(failure);
     }
+    if record.atlas.is_some() && settings.history.is_some() {
+        console::note(&record.mesh, "charts are flattened many times: no iterations are kept of them");
+    }
     let repairs = record.atlas.iter().flat_map(|atlas| &atlas.repairs);
     repairs.for_each(|repair| console::note(&record.mesh, repair));
     for note in [&record.climb, &record.precision, &record.overlap].into_iter().flatten() {
@@ -140,8 +143,10 @@ fn write_files(
         timings.write = begin.elapsed().as_secs_f64();
         timings.total += timings.write;
     }
-    let png = settings.png.as_deref().map(|path| (path, draw(path, mesh, uv)));
-    let svg = settings.svg.as_deref().map(|path| (path, draw_layout(path, mesh, uv)));
+    let pages = record.atlas.as_ref().map_or(1, |atlas| atlas.pages);
+    let one_page = |path: &Path| if pages == 1 { Ok(()) } else { Err(Failure::several_pages(path, pages)) };
+    let png = settings.png.as_deref().map(|path| (path, one_page(path).and_then(|()| draw(path, mesh, uv))));
+    let svg = settings.svg.as_deref().map(|path| (path, one_page(path).and_then(|()| draw_layout(path, mesh, uv))));
     let lines = charting.seam_lines.as_deref();
     let lines = lines.map(|path| (path, files::replace(path, charting::seam_lines(mesh, seams).as_bytes())));
     let remap = charting.remap.as_deref().map(|path| match &remap {

@@ -21,6 +21,9 @@ pub(crate) const REPORT: &str = "this should not happen: please report it with t
 const MERGE: &str =
     "delete the extra faces, or split the mesh into its sheets (in Blender: Select > All by Trait > Non Manifold)";
 
+/// For what is no disk where only disks are taken.
+const CHARTS: &str = "flatten it without --disks-only, or cut it into charts first: bench-harness MESH -o charts.obj";
+
 /// The kind of what would take more memory than is allowed.
 const MEMORY: &str = "memory";
 const MORE_MEMORY: &str = "use a larger --max-memory, a coarser mesh or a larger machine";
@@ -100,7 +103,7 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Solve { .. } => ("no-angles", "try --solver lscm, which needs no angles"),
         FlattenError::Layout(LayoutError::Linear { source, .. }) => linear(source),
         FlattenError::Layout(LayoutError::NotFinite { .. }) => ("layout-overflow", "try --layout least-squares"),
-        FlattenError::Layout(LayoutError::NoBoundary) => ("closed", "cut it open along a seam first"),
+        FlattenError::Layout(LayoutError::NoBoundary) => ("closed", CHARTS),
         FlattenError::Layout(_) => ("no-layout", "try another --layout"),
         FlattenError::LscmLayout(_) => ("setting", "take --layout least-squares or least-squares-weighted"),
         FlattenError::Certificate(error) => metrics(error),
@@ -172,13 +175,11 @@ fn topology(error: &TopologyError) -> Hint {
 
 fn disk(error: &DiskError) -> Hint {
     match error {
-        DiskError::SeveralComponents { .. } => ("several-components", "write every component to its own file first"),
-        DiskError::NoBoundary { genus: 0 } => ("closed", "cut it open along a seam first"),
-        DiskError::NoBoundary { .. } => ("closed", "cut it open along seams first: every handle needs two that cross"),
-        DiskError::SeveralBoundaries { .. } => {
-            ("several-boundaries", "fill the holes, or cut from each hole to the outer boundary first")
-        }
-        DiskError::Handles { .. } => ("handles", "cut the handles open first: each needs two seams that cross"),
+        DiskError::SeveralComponents { .. } => ("several-components", CHARTS),
+        DiskError::NoBoundary { genus: 0 } => ("closed", CHARTS),
+        DiskError::NoBoundary { .. } => ("closed", CHARTS),
+        DiskError::SeveralBoundaries { .. } => ("several-boundaries", CHARTS),
+        DiskError::Handles { .. } => ("handles", CHARTS),
         _ => ("not-a-disk", "cut it into disks first"),
     }
 }

@@ -142,7 +142,7 @@ fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Can
     let Charts { packed, record: atlas, seams, charts_s } = match made {
         Ok(charts) => charts,
         Err(failure) => {
-            let mesh_is_unusable = !failure.is_cancelled();
+            let mesh_is_unusable = ["no-faces", "beyond-repair", "not-clean", "not-finite"].contains(&failure.kind);
             let record = Record { size: Some(Size::of(&loaded.mesh, None)), error: Some(failure), ..record };
             return Flattened { mesh_is_unusable, ..record.into() };
         }
@@ -162,6 +162,7 @@ fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Can
     });
     record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
     record.overlap = advice::overlap(&record);
+    record.hint = advice::next_for_charts(&record);
     Flattened { uv: Some(packed.uv), seams, ..record.into() }
 }
 

@@ -65,7 +65,7 @@ impl Settings {
             meshes => meshes.iter().cloned().map(Source::File).collect(),
         };
         let (output, png, svg) = (args.output, args.png, args.svg);
-        let charting = Charting::new(args.charts, output.as_deref())?;
+        let charting = Charting::new(args.charts, &args.meshes, output.as_deref())?;
         let (history, json) = (JsonTarget::new(args.history), JsonTarget::new(args.json));
         let (seam_lines, remap) = (&charting.seam_lines, &charting.remap);
         let singles =

@@ -25,8 +25,10 @@ impl TightBox {
         let edges = hull.iter().zip(hull.iter().cycle().skip(1)).map(|(a, b)| b - a);
         let turns = edges.filter(|edge| edge.norm() > 0.0).map(|edge| [edge.x / edge.norm(), -edge.y / edge.norm()]);
         let boxes = turns.map(|turn| Self::at(turn, &hull));
-        let tightest =
-            boxes.fold(Self::unturned(&hull), |best, other| if other.area() < best.area() { other } else { best });
+        let flat = Self::unturned(&hull);
+        // In units of its longer side areas are numbers, whatever the size of the chart.
+        let area = |b: &Self| (b.size.x / flat.size.amax()) * (b.size.y / flat.size.amax());
+        let tightest = boxes.fold(flat, |best, other| if area(&other) < area(&best) { other } else { best });
         if tightest.size.x >= tightest.size.y {
             return tightest;
         }
@@ -48,10 +50,6 @@ impl TightBox {
         let first = all.next().unwrap_or_else(Point2::origin);
         let (low, high) = all.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
         Self { turn, low, size: high - low }
-    }
-
-    fn area(&self) -> f64 {
-        self.size.x * self.size.y
     }
 }
 

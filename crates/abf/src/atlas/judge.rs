@@ -1,7 +1,7 @@
 //! What is proved of packed charts, and how distorted they are.
 
-use crate::unwrap::Unwrapped;
-use abf_mesh::{FaceId, TriMesh, UvId, UvMap};
+use crate::unwrap::{Unwrapped, UnwrappedChart};
+use abf_mesh::{FaceId, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify_stored, measure_certified};
 
 /// The judgement of all charts together.
@@ -15,83 +15,95 @@ pub(super) struct Judged {
 pub(super) fn judge(
     mesh: &TriMesh,
     unwrapped: &Unwrapped,
-    page_of: &[usize],
+    pages: &[Vec<usize>],
     uv: &UvMap,
     precision: Precision,
 ) -> Result<Judged, MetricsError> {
-    let mut is_turned = vec![false; mesh.face_count()];
-    unwrapped.turned.iter().for_each(|f| is_turned[f.index()] = true);
-    let pages = page_of.iter().max().map_or(0, |last| last + 1);
-    let mut whole: Option<Certificate> = None;
-    for page in 0..pages {
-        let charts = unwrapped.charts.iter().zip(page_of).filter(|&(_, &p)| p == page);
-        let mut faces: Vec<FaceId> = charts.flat_map(|(chart, _)| chart.faces.iter().copied()).collect();
+    let mut parts = Parts::new(mesh, unwrapped, uv);
+    let sorted = |charts: &mut dyn Iterator<Item = &UnwrappedChart>| {
+        let mut faces: Vec<FaceId> = charts.flat_map(|chart| chart.faces.iter().copied()).collect();
         faces.sort_unstable();
-        let (part, map) = part_of(mesh, uv, &faces, &is_turned);
-        let found = in_input(certify_stored(&part, &map, precision)?, &faces);
+        faces
+    };
+    let mut whole: Option<Certificate> = None;
+    for page in pages {
+        let faces = sorted(&mut page.iter().map(|&i| &unwrapped.charts[i]));
+        let (part, map, vertices) = parts.of(&faces);
+        let found = in_input(certify_stored(&part, &map, precision)?, &faces, &vertices);
         whole = Some(match whole {
             None => found,
             Some(before) => together(before, found),
         });
     }
-    let mut faces: Vec<FaceId> = unwrapped.charts.iter().flat_map(|chart| chart.faces.iter().copied()).collect();
-    faces.sort_unstable();
-    let (part, map) = part_of(mesh, uv, &faces, &is_turned);
     let certificate = whole.ok_or(MetricsError::NoFaces)?;
-    let invalid_charts = match certificate.valid() {
-        true => Vec::new(),
-        false => invalid_charts(mesh, unwrapped, uv, &is_turned, precision)?,
-    };
+    let mut invalid_charts = Vec::new();
+    for (i, chart) in unwrapped.charts.iter().enumerate().filter(|_| !certificate.valid()) {
+        let (part, map, _) = parts.of(&chart.faces);
+        if !certify_stored(&part, &map, precision)?.valid() {
+            invalid_charts.push(i);
+        }
+    }
+    let (part, map, _) = parts.of(&sorted(&mut unwrapped.charts.iter()));
     Ok(Judged { metrics: measure_certified(&part, &map, certificate)?, invalid_charts })
 }
 
-fn invalid_charts(
-    mesh: &TriMesh,
-    unwrapped: &Unwrapped,
-    uv: &UvMap,
-    is_turned: &[bool],
-    precision: Precision,
-) -> Result<Vec<usize>, MetricsError> {
-    let mut invalid = Vec::new();
-    for (i, chart) in unwrapped.charts.iter().enumerate() {
-        let (part, map) = part_of(mesh, uv, &chart.faces, is_turned);
-        if !certify_stored(&part, &map, precision)?.valid() {
-            invalid.push(i);
-        }
-    }
-    Ok(invalid)
+/// Takes parts of a mesh and its map, with their own vertices and points only.
+struct Parts<'a> {
+    mesh: &'a TriMesh,
+    uv: &'a UvMap,
+    is_turned: Vec<bool>,
+    /// The number of a vertex in the part at hand; of those that are in none, nothing.
+    vertices: Vec<Option<u32>>,
+    points: Vec<Option<u32>>,
 }
 
-/// Some faces of a mesh with their UVs.
-fn part_of(mesh: &TriMesh, uv: &UvMap, faces: &[FaceId], is_turned: &[bool]) -> (TriMesh, UvMap) {
-    let in_order = |f: &FaceId| {
-        let [a, b, c] = f.corners();
-        if is_turned[f.index()] { [a, c, b] } else { [a, b, c] }
-    };
-    let vertices: Vec<[usize; 3]> =
-        faces.iter().map(|f| in_order(f).map(|c| mesh.faces()[f.index()][c.place()].index())).collect();
-    // Points of other pages are not taken along.
-    let mut number = vec![None; uv.points().len()];
-    let mut points = Vec::new();
-    let corners = faces.iter().flat_map(in_order).map(|c| {
-        let id = uv.corners()[c.index()];
-        *number[id.index()].get_or_insert_with(|| {
-            points.push(uv.points()[id.index()]);
-            UvId::new(points.len() - 1)
-        })
-    });
-    let corners = corners.collect();
-    let part = TriMesh::new(mesh.positions().to_vec(), &vertices).expect("faces of a mesh");
-    (part, UvMap::new(points, corners))
+impl<'a> Parts<'a> {
+    fn new(mesh: &'a TriMesh, unwrapped: &Unwrapped, uv: &'a UvMap) -> Self {
+        let mut is_turned = vec![false; mesh.face_count()];
+        unwrapped.turned.iter().for_each(|f| is_turned[f.index()] = true);
+        Self { mesh, uv, is_turned, vertices: vec![None; mesh.vertex_count()], points: vec![None; uv.points().len()] }
+    }
+
+    /// Some faces, those that repair turned around as it turned them, with the vertices of the mesh for theirs.
+    fn of(&mut self, faces: &[FaceId]) -> (TriMesh, UvMap, Vec<VertexId>) {
+        let (mut vertices, mut points) = (Vec::new(), Vec::new());
+        let (mut triangles, mut corners) = (Vec::with_capacity(faces.len()), Vec::with_capacity(3 * faces.len()));
+        for face in faces {
+            let [a, b, c] = face.corners();
+            let in_order = if self.is_turned[face.index()] { [a, c, b] } else { [a, b, c] };
+            triangles.push(in_order.map(|corner| {
+                let vertex = self.mesh.faces()[face.index()][corner.place()];
+                *self.vertices[vertex.index()].get_or_insert_with(|| {
+                    vertices.push(vertex);
+                    vertices.len() as u32 - 1
+                }) as usize
+            }));
+            corners.extend(in_order.map(|corner| {
+                let point = self.uv.corners()[corner.index()];
+                let number = *self.points[point.index()].get_or_insert_with(|| {
+                    points.push(point);
+                    points.len() as u32 - 1
+                });
+                UvId::new(number as usize)
+            }));
+        }
+        vertices.iter().for_each(|v| self.vertices[v.index()] = None);
+        points.iter().for_each(|p| self.points[p.index()] = None);
+        let positions = vertices.iter().map(|v| self.mesh.positions()[v.index()]).collect();
+        let part = TriMesh::new(positions, &triangles).expect("faces of a mesh");
+        let places = points.iter().map(|p| self.uv.points()[p.index()]).collect();
+        (part, UvMap::new(places, corners), vertices)
+    }
 }
 
 /// A certificate of some faces in the numbers of all.
-fn in_input(mut certificate: Certificate, faces: &[FaceId]) -> Certificate {
+fn in_input(mut certificate: Certificate, faces: &[FaceId], vertices: &[VertexId]) -> Certificate {
     let input = |f: &mut FaceId| *f = faces[f.index()];
     certificate.flipped_faces.iter_mut().for_each(input);
     certificate.collapsed_faces.iter_mut().for_each(input);
     certificate.near_collapsed_faces.iter_mut().for_each(input);
     certificate.overlapping_faces.iter_mut().flatten().for_each(input);
+    certificate.wound_vertices.iter_mut().for_each(|v| *v = vertices[v.index()]);
     certificate
 }
 

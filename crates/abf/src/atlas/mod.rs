@@ -8,6 +8,7 @@ use crate::unwrap::Unwrapped;
 use abf_mesh::{Point2, TriMesh, UvMap};
 use abf_metrics::{Metrics, MetricsError, Precision};
 use boxes::TightBox;
+use std::collections::HashMap;
 use std::fmt;
 use std::str::FromStr;
 
@@ -111,8 +112,10 @@ pub struct Placement {
 impl Placement {
     fn place(&self, p: Point2<f64>, texels_per_unit: f64, resolution: u32) -> Point2<f64> {
         let q = boxes::turned(p, self.turn);
-        let along =
-            |x: f64, low: f64, texel: u32| ((x - low) * texels_per_unit + f64::from(texel)) / f64::from(resolution);
+        let along = |x: f64, low: f64, texel: u32| {
+            // The last bits may point out of the page.
+            (((x - low) * texels_per_unit + f64::from(texel)) / f64::from(resolution)).clamp(0.0, 1.0)
+        };
         Point2::new(along(q.x, self.low.x, self.texel[0]), along(q.y, self.low.y, self.texel[1]))
     }
 }
@@ -141,11 +144,12 @@ impl Atlas {
     ) -> Result<Packed, AtlasError> {
         self.check()?;
         let page_of = self.pages_of(mesh, unwrapped, materials)?;
-        let pages = page_of.iter().max().map_or(0, |last| last + 1);
+        let mut pages: Vec<Vec<usize>> = vec![Vec::new(); page_of.iter().max().map_or(0, |last| last + 1)];
+        page_of.iter().enumerate().for_each(|(chart, &page)| pages[page].push(chart));
         let mut boxes: Vec<TightBox> =
             unwrapped.charts.iter().map(|chart| TightBox::around(chart.uv.points())).collect();
         loop {
-            let (texels_per_unit, texels) = packing::pack(&boxes, &page_of, self.resolution, self.margin)?;
+            let (texels_per_unit, texels) = packing::pack(&boxes, &pages, self.resolution, self.margin)?;
             let placement = |i: usize| Placement {
                 page: page_of[i],
                 turn: boxes[i].turn,
@@ -154,7 +158,7 @@ impl Atlas {
             };
             let placements: Vec<Placement> = (0..boxes.len()).map(placement).collect();
             let uv = unwrapped.assemble(|i, p| stored(placements[i].place(p, texels_per_unit, self.resolution)));
-            let judged = judge::judge(mesh, unwrapped, &page_of, &uv, precision)?;
+            let judged = judge::judge(mesh, unwrapped, &pages, &uv, precision)?;
             let spoilt: Vec<usize> = judged
                 .invalid_charts
                 .iter()
@@ -162,10 +166,9 @@ impl Atlas {
                 .filter(|&i| boxes[i].is_turned() && unwrapped.charts[i].metrics.valid())
                 .collect();
             if spoilt.is_empty() {
-                let coverage = unwrapped.charts.iter().map(|chart| chart.metrics.uv_area).sum::<f64>()
-                    * (texels_per_unit / f64::from(self.resolution)).powi(2)
-                    / pages.max(1) as f64;
-                return Ok(Packed { uv, placements, pages, texels_per_unit, coverage, metrics: judged.metrics });
+                let coverage = judged.metrics.uv_area / pages.len() as f64;
+                let (pages, metrics) = (pages.len(), judged.metrics);
+                return Ok(Packed { uv, placements, pages, texels_per_unit, coverage, metrics });
             }
             spoilt.iter().for_each(|&i| boxes[i] = TightBox::unturned(unwrapped.charts[i].uv.points()));
         }
@@ -200,12 +203,10 @@ impl Atlas {
                 unwrapped.charts.iter().map(|chart| most_frequent(chart.faces.iter().map(material))).collect()
             }
         };
-        let mut known: Vec<usize> = Vec::new();
+        let mut known: HashMap<usize, usize> = HashMap::new();
         let number = |key| {
-            known.iter().position(|&k| k == key).unwrap_or_else(|| {
-                known.push(key);
-                known.len() - 1
-            })
+            let next = known.len();
+            *known.entry(key).or_insert(next)
         };
         Ok(keys.into_iter().map(number).collect())
     }

@@ -2,6 +2,7 @@
 
 use super::AtlasError;
 use super::boxes::TightBox;
+use abf_mesh::Vector2;
 use guillotiere::{AtlasAllocator, size2};
 
 /// Halvings after which boxes that do not fit never will: they are points by then.
@@ -13,23 +14,34 @@ const BISECTIONS: usize = 9;
 /// are. With every box comes a margin on its right and above; left and below it is the caller's.
 pub(super) fn pack(
     boxes: &[TightBox],
-    page_of: &[usize],
+    pages: &[Vec<usize>],
     resolution: u32,
     margin: u32,
 ) -> Result<(f64, Vec<[u32; 2]>), AtlasError> {
-    let pages = page_of.iter().max().map_or(0, |last| last + 1);
-    let on_page = |page: usize| (0..boxes.len()).filter(|&i| page_of[i] == page).collect::<Vec<_>>();
-    let pages: Vec<Vec<usize>> = (0..pages).map(on_page).collect();
+    // In units of the longest side, whose square is a number.
+    let unit = boxes.iter().map(|b| b.size.amax()).fold(0.0, f64::max);
+    let unit = if unit > 0.0 { unit } else { 1.0 };
+    let sizes: Vec<Vector2<f64>> = boxes.iter().map(|b| b.size / unit).collect();
+    let (scale, texels) = pack_sizes(&sizes, pages, resolution, margin)?;
+    Ok((scale / unit, texels))
+}
+
+fn pack_sizes(
+    sizes: &[Vector2<f64>],
+    pages: &[Vec<usize>],
+    resolution: u32,
+    margin: u32,
+) -> Result<(f64, Vec<[u32; 2]>), AtlasError> {
     let side = resolution - margin;
     // No page holds more than its area, or what is longer than its side.
     let bound = |page: &Vec<usize>| {
-        let area: f64 = page.iter().map(|&i| boxes[i].size.x * boxes[i].size.y).sum();
-        let longest = page.iter().map(|&i| boxes[i].size.x).fold(0.0, f64::max);
+        let area: f64 = page.iter().map(|&i| sizes[i].x * sizes[i].y).sum();
+        let longest = page.iter().map(|&i| sizes[i].amax()).fold(0.0, f64::max);
         (f64::from(side) / area.sqrt()).min(f64::from(side - margin) / longest)
     };
     let bound = pages.iter().map(bound).fold(f64::INFINITY, f64::min);
     let bound = if bound.is_finite() && bound > 0.0 { bound } else { 1.0 };
-    let at = |scale: f64| place(boxes, &pages, scale, side, margin);
+    let at = |scale: f64| place(sizes, pages, scale, side, margin);
     // At most the widest box fills its page alone.
     if let Some(texels) = at(bound) {
         return Ok((bound, texels));
@@ -52,14 +64,14 @@ pub(super) fn pack(
 }
 
 /// Where the boxes are at this scale, if they fit.
-fn place(boxes: &[TightBox], pages: &[Vec<usize>], scale: f64, side: u32, margin: u32) -> Option<Vec<[u32; 2]>> {
+fn place(boxes: &[Vector2<f64>], pages: &[Vec<usize>], scale: f64, side: u32, margin: u32) -> Option<Vec<[u32; 2]>> {
     /// A box that is a hair wider than its texels is not given another one.
     const HAIR: f64 = 1e-6;
     let texels =
         |length: f64| ((length * scale - HAIR).ceil().clamp(1.0, f64::from(i32::MAX / 2)) as i32) + margin as i32;
     let mut out = vec![[0; 2]; boxes.len()];
     for page in pages {
-        let sizes = page.iter().map(|&i| (texels(boxes[i].size.y), texels(boxes[i].size.x), i));
+        let sizes = page.iter().map(|&i| (texels(boxes[i].y), texels(boxes[i].x), i));
         let mut sizes: Vec<(i32, i32, usize)> = sizes.collect();
         // High ones first, then wide ones; the allocator keeps the order of its input.
         sizes.sort_unstable_by_key(|&(height, width, i)| (-height, -width, i));
@@ -75,7 +87,7 @@ fn place(boxes: &[TightBox], pages: &[Vec<usize>], scale: f64, side: u32, margin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abf_mesh::{Point2, Vector2};
+    use abf_mesh::Point2;
 
     fn boxes(sizes: &[[f64; 2]]) -> Vec<TightBox> {
         let one = |&[x, y]: &[f64; 2]| TightBox { turn: [1.0, 0.0], low: Point2::origin(), size: Vector2::new(x, y) };
@@ -89,7 +101,7 @@ mod tests {
             .map(|[a, b]| [a.max(b), a.min(b)])
             .collect();
         let boxes = boxes(&sizes);
-        let (scale, texels) = pack(&boxes, &vec![0; boxes.len()], 1024, 4).expect("they fit");
+        let (scale, texels) = pack(&boxes, &[(0..boxes.len()).collect()], 1024, 4).expect("they fit");
         let rectangle = |i: usize| {
             let [x, y] = texels[i].map(f64::from);
             [x, y, x + sizes[i][0] * scale, y + sizes[i][1] * scale]
@@ -109,10 +121,10 @@ mod tests {
     #[test]
     fn pages_share_a_scale_and_too_many_charts_are_refused() {
         let boxes = boxes(&[[2.0, 1.0], [1.0, 1.0]]);
-        let (scale, texels) = pack(&boxes, &[0, 1], 100, 0).expect("they fit");
+        let (scale, texels) = pack(&boxes, &[vec![0], vec![1]], 100, 0).expect("they fit");
         assert!((scale - 50.0).abs() < 1e-9, "{scale}");
         assert_eq!(texels, [[0, 0], [0, 0]]);
-        let error = pack(&vec![boxes[0]; 100], &[0; 100], 16, 1).unwrap_err();
+        let error = pack(&vec![boxes[0]; 100], &[(0..100).collect()], 16, 1).unwrap_err();
         assert_eq!(error, AtlasError::TooManyCharts { charts: 100, margin: 1, resolution: 16 });
     }
 }

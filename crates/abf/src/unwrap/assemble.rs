@@ -16,16 +16,22 @@ pub(super) fn unwrapped(
     precision: Precision,
 ) -> Unwrapped {
     let mut charts = Vec::new();
+    let is_empty: Vec<bool> = finished.iter().map(Vec::is_empty).collect();
     for (i, (finished, part)) in finished.into_iter().zip(parts).enumerate() {
         charts.extend(finished.into_iter().map(|one| in_input(i, one, part, repaired, scale, precision)));
     }
+    let without_area: Vec<FaceId> = in_no_chart(parts, repaired, &is_empty);
+    let anchor = charts.first().map_or(CornerId::new(0), |chart: &UnwrappedChart| chart.faces[0].corner(0));
+    let in_one_point = without_area.iter().flat_map(|face| face.corners()).map(|corner| (corner, anchor));
     let mut whole = Unwrapped {
         charts,
         repairs: repaired.report,
         seams: Vec::new(),
         seam_length: 0.0,
         diagonal: diagonal(input),
-        followers: followers(input, repaired),
+        without_area: without_area.len(),
+        // These first: others may go where they are.
+        followers: in_one_point.chain(followers(input, repaired)).collect(),
         turned: turned(repaired),
         corner_count: 3 * input.face_count(),
     };
@@ -66,6 +72,12 @@ fn in_input(
         holes_filled: finished.holes_filled,
         virtual_faces: finished.virtual_faces,
     }
+}
+
+/// The faces, by their numbers in the input, of the parts that are no chart.
+fn in_no_chart(parts: &[Chart], repaired: &Repaired, is_empty: &[bool]) -> Vec<FaceId> {
+    let empty = parts.iter().zip(is_empty).filter(|&(_, &is_empty)| is_empty);
+    empty.flat_map(|(part, _)| part.faces.iter().map(|f| repaired.faces[f.index()])).collect()
 }
 
 fn turned(repaired: &Repaired) -> Vec<FaceId> {

@@ -4,13 +4,13 @@ use super::finish::finish;
 use super::overlap::take_apart;
 use super::stretch::Stretch;
 use super::{HoleRule, SeamRule, Unwrap};
-use crate::{FlattenError, LayoutReport, RungReport, SolverKind};
+use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolverKind, ZeroArea};
 use abf_constraints::AngleProblem;
 use abf_cut::{Chart, EdgeCosts, Filled, Seams, distances, extend, fill, open, outer_loop, split};
 use abf_mesh::{CornerId, FaceId, Topology, TriMesh, UvMap, VertexId};
 use abf_metrics::Metrics;
 use abf_reconstruct::{LayoutKind, LayoutSettings, layout};
-use abf_solve_core::{AngleSolver, Event, Observer, Stage, Termination, Verdict};
+use abf_solve_core::{AngleSolver, Event, Observer, Stage, Termination, TimeBudget, Verdict};
 use abf_solve_linabf::{LinAbf, Passes};
 use std::num::NonZeroUsize;
 
@@ -20,6 +20,8 @@ pub(super) struct Component<'c> {
     pub(super) part: &'c Chart,
     /// Whether the edge that a corner of `part` faces may not be a seam.
     pub(super) is_forbidden: &'c (dyn Fn(CornerId) -> bool + Sync),
+    /// The time there is for all of them.
+    pub(super) budget: &'c TimeBudget,
 }
 
 /// A chart as it comes out, by the faces of its component.
@@ -64,6 +66,7 @@ impl Component<'_> {
             let flat = self.pipeline().run_unclosed(&part.mesh, observer)?;
             return Ok(vec![finish(part, part.mesh.face_count(), flat)?]);
         }
+        self.settings.pipeline.check_memory(&part.mesh)?;
         let mut surface = self.surface()?;
         let rounds = self.cut_where_stretched(&mut surface, observer)?;
         let (chart, flat, more) = self.flatten(&mut surface, observer)?;
@@ -74,9 +77,11 @@ impl Component<'_> {
         if self.settings.part_overlaps { take_apart(&chart.mesh, whole) } else { Ok(vec![whole]) }
     }
 
-    /// The settings for one chart: its scale is that of the surface.
-    fn pipeline(&self) -> crate::Pipeline {
-        crate::Pipeline { normalize: false, ..self.settings.pipeline }
+    /// The settings for one chart: its scale is that of the surface. Faces without area have been refused before, if they
+    /// are to be: those that close holes may have none.
+    fn pipeline(&self) -> Pipeline {
+        let (normalize, zero_area, stop) = (false, ZeroArea::Carry, self.budget.left());
+        Pipeline { normalize, zero_area, stop, ..self.settings.pipeline }
     }
 
     /// Closes what is to be closed and opens the rest.
@@ -127,7 +132,8 @@ impl Component<'_> {
             let chart = surface.chart()?;
             let uv = self.flatten_quickly(&chart, observer)?;
             let stretch = Stretch::measure(&chart, &uv, surface.real, surface.mesh.vertex_count())?;
-            if stretch.l2 <= self.settings.max_stretch || !self.cut_further(surface, &stretch) {
+            let is_over = stretch.l2 <= self.settings.max_stretch || self.budget.is_spent();
+            if is_over || !self.cut_further(surface, &stretch) {
                 return Ok(round);
             }
         }
@@ -159,7 +165,7 @@ impl Component<'_> {
         let problem = AngleProblem::new(&chart.topology, chart.mesh.corner_angles(), settings.estimate)?;
         let solver = LinAbf { passes: Passes::Exactly(PASSES) };
         let named = |source| FlattenError::Solve { solver: solver.name(), source };
-        let solution = solver.solve(&problem, &settings.stop, observer).map_err(named)?;
+        let solution = solver.solve(&problem, &self.budget.left(), observer).map_err(named)?;
         if solution.termination() == Termination::Cancelled {
             return Err(FlattenError::Cancelled);
         }

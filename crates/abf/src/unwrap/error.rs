@@ -3,6 +3,7 @@
 use crate::FlattenError;
 use abf_cut::{RepairError, RepairReport};
 use abf_mesh::FaceId;
+use abf_metrics::MetricsError;
 
 /// Why a mesh could not be unwrapped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -48,6 +49,13 @@ pub enum UnwrapError {
     /// The cut surface is not what it should be.
     #[error(transparent)]
     Flatten(#[from] FlattenError),
+}
+
+impl UnwrapError {
+    /// Whether a part of the mesh has no area at all, so that there is nothing to flatten or to judge.
+    pub(super) fn is_without_area(&self) -> bool {
+        matches!(self, Self::Chart { source: FlattenError::Certificate(MetricsError::NoArea { .. }), .. })
+    }
 }
 
 /// What a strict run says to a mesh that needs repair.

@@ -9,16 +9,17 @@ mod overlap;
 mod relay;
 mod stretch;
 
-use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolverKind};
+use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolverKind, ZeroArea};
 use abf_cut::{Chart, CostSettings, HoleFilling, RepairReport, Seams, label_borders, repair, split, uv_borders};
-use abf_mesh::{CornerId, FaceId, TriMesh, UvMap, VertexId};
+use abf_mesh::{CornerId, FaceId, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::Metrics;
-use abf_solve_core::{Observer, Termination};
+use abf_solve_core::{Observer, Termination, TimeBudget};
 use component::{Component, Finished};
 pub use error::UnwrapError;
 pub use hints::SurfaceHints;
 use rayon::prelude::*;
 use relay::Relay;
+use std::collections::HashMap;
 use std::fmt;
 use std::str::FromStr;
 
@@ -121,6 +122,9 @@ pub struct Unwrapped {
     pub seam_length: f64,
     /// The diagonal of the bounding box of the mesh, to compare lengths with.
     pub diagonal: f64,
+    /// How many faces are in no chart because their component, or what kept seams made of it, has no area at all. Their
+    /// corners are in one point.
+    pub without_area: usize,
     /// Corners of faces that are in no chart, each with the corner whose UV it takes: see [`Unwrapped::assemble`].
     pub followers: Vec<(CornerId, CornerId)>,
     /// The faces of the input that repair turned around, ascending: their UVs run the other way.
@@ -173,7 +177,7 @@ impl Unwrap {
     ///
     /// A mesh that is one clean disk comes back as one chart without seams, with the bits of [`Pipeline::run`]. Components
     /// are worked on in parallel; the same input gives the same bits whatever the thread count. A time limit of the
-    /// pipeline is one for each flattening.
+    /// pipeline is one for all flattenings together; a limit of memory is one for each.
     ///
     /// # Errors
     /// [`UnwrapError`] when there are no faces to work with, a setting or a hint does not fit, a strict run would have to
@@ -192,6 +196,10 @@ impl Unwrap {
         if self.strict {
             error::refuse_repairs(&repaired.report)?;
         }
+        if self.pipeline.zero_area == ZeroArea::Refuse {
+            working.check_geometry().map_err(FlattenError::from)?;
+        }
+        let budget = TimeBudget::start(&self.pipeline.stop);
         let kept = self.kept_seams(&repaired, hints);
         let parts = split(&repaired.mesh, &repaired.topology, &kept).map_err(FlattenError::from)?;
         let relay = Relay::new(observer);
@@ -200,12 +208,28 @@ impl Unwrap {
                 let corner = part.faces[c.face().index()].corner(c.place());
                 hints.is_forbidden(repaired.input_corner(corner))
             };
-            let component = Component { settings: self, part, is_forbidden: &is_forbidden };
+            let component = Component { settings: self, part, is_forbidden: &is_forbidden, budget: &budget };
             let first = repaired.faces[part.faces[0].index()];
             component.run(&mut relay.ear()).map_err(|source| UnwrapError::Chart { first, source })
         };
-        let finished: Result<Vec<_>, _> = parts.par_iter().map(finish).collect();
-        Ok(assemble::unwrapped(mesh, &repaired, &parts, finished?, scale, self.pipeline.precision))
+        let finished: Vec<Result<Vec<Finished>, UnwrapError>> = parts.par_iter().map(finish).collect();
+        // One after the other, so that it is always the first error that is told.
+        let mut charts = Vec::with_capacity(parts.len());
+        let mut nowhere = None;
+        for finished in finished {
+            match finished {
+                Ok(finished) => charts.push(finished),
+                Err(error) if error.is_without_area() => {
+                    charts.push(Vec::new());
+                    nowhere.get_or_insert(error);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        match nowhere.filter(|_| charts.iter().all(Vec::is_empty)) {
+            Some(error) => Err(error),
+            None => Ok(assemble::unwrapped(mesh, &repaired, &parts, charts, scale, self.pipeline.precision)),
+        }
     }
 
     /// The seams to begin with.
@@ -217,8 +241,16 @@ impl Unwrap {
         }
         let mut keep = |borders: Seams| borders.edges(topology).for_each(|c| seams.insert(topology, c));
         if let Some(uv) = hints.uv {
-            let of_corner = |c| uv.corners()[repaired.input_corner(c).index()];
-            keep(uv_borders(topology, &topology.corners().map(of_corner).collect::<Vec<_>>()));
+            // Points of a vertex that are in one place are one: some files repeat them for every corner.
+            let mut known = HashMap::new();
+            let of_corner = |c| {
+                let place = uv.corner(repaired.input_corner(c)).map(|x| (x + 0.0).to_bits());
+                let next = UvId::new(known.len());
+                *known.entry((topology.vertex(c), place.x, place.y)).or_insert(next)
+            };
+            let ids: Vec<UvId> = topology.corners().map(of_corner).collect();
+            // A vertex that was split has points of its own; only those of one vertex are compared.
+            keep(uv_borders(topology, &ids));
         }
         if let Some(labels) = hints.face_labels {
             let of_face = |f: &FaceId| labels[f.index()];

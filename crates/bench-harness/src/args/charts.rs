@@ -19,7 +19,7 @@ pub(crate) struct ChartArgs {
     /// [default: fill]
     #[arg(long, value_name = "RULE", value_parser = one_of::<HoleRule, _>(["fill", "fill-fan", "fill-ears", "cut", "free"]), help_heading = CHARTS)]
     pub(crate) holes: Option<HoleRule>,
-    /// Seams grow until the L² stretch is at most S [default: 1.1]
+    /// Seams grow until the L² stretch is at most S [default: 1.15]
     #[arg(long, value_name = "S", help_heading = CHARTS)]
     pub(crate) max_stretch: Option<f64>,
     /// Or until they are L times as long as the diagonal of the component [default: no limit]
@@ -49,7 +49,7 @@ pub(crate) struct ChartArgs {
     /// Write from which vertex of a glTF input every vertex of the output is, as JSON
     #[arg(long, value_name = "FILE", help_heading = CHARTS)]
     pub(crate) remap: Option<PathBuf>,
-    /// Replace the texture coordinates that a glTF input has, instead of adding a set
+    /// Replace the texture coordinates that a glTF has, instead of adding a set
     #[arg(long, help_heading = CHARTS)]
     pub(crate) overwrite: bool,
 }

@@ -32,7 +32,7 @@ pub(crate) struct MethodArgs {
     /// How angles become coordinates; auto is the tree when the angles close, else least squares
     #[arg(long, value_name = "KIND", default_value_t, value_parser = one_of::<LayoutKind, _>(LayoutKind::ALL.map(LayoutKind::name)))]
     pub(crate) layout: LayoutKind,
-    /// Scale the UVs into the unit square; otherwise they have the area of the surface
+    /// Scale the UVs into the unit square; otherwise they have the area of the surface, and charts are in it anyway
     #[arg(long)]
     pub(crate) normalize: bool,
     /// What becomes of faces without area: they get a place like all others, or are refused

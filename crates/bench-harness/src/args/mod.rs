@@ -242,6 +242,9 @@ mod tests {
             iterative.preconditioner.to_string(),
             iterative.max_inner_iterations.to_string(),
             abf::Descent::default().barrier_floor.to_string(),
+            abf::Unwrap::default().max_stretch.to_string(),
+            abf::Atlas::default().resolution.to_string(),
+            abf::Atlas::default().margin.to_string(),
         ] {
             assert!(help.contains(&format!("[default: {text}]")), "{text}: {help}");
         }

@@ -2,6 +2,7 @@
 
 use abf::{Placement, Termination, UnwrappedChart};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The charts of a mesh and their atlas.
 #[derive(Clone, Debug, Serialize)]
@@ -91,8 +92,10 @@ impl Atlas {
         all().find(|end| !end.is_as_asked()).or_else(|| all().next())
     }
 
-    /// How many holes were closed.
+    /// How many holes were closed: parts of a component have the same.
     pub(crate) fn holes_filled(&self) -> usize {
-        self.charts.iter().map(|chart| chart.holes_filled).sum()
+        let by_component: BTreeMap<usize, usize> =
+            self.charts.iter().map(|chart| (chart.component, chart.holes_filled)).collect();
+        by_component.values().sum()
     }
 }

@@ -46,7 +46,7 @@ impl Survey {
         check_distinct(&[("--json", file)], &args.meshes)?;
         let depth = if args.flat { Depth::Inside } else { Depth::Below };
         let jobs = args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, Into::into), usize::from);
-        let charting = if args.disks_only { None } else { Some(Charting::new(ChartArgs::default(), None)?) };
+        let charting = if args.disks_only { None } else { Some(Charting::new(ChartArgs::default(), &[], None)?) };
         Ok(Self { meshes: args.meshes, depth, method, charting, jobs, resume: args.resume, json })
     }
 

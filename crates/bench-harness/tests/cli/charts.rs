@@ -41,6 +41,10 @@ fn kept_seams_are_the_seams_again() {
     for figure in ["seam_edges", "seam_length"] {
         assert_eq!(kept["atlas"][figure], cut["atlas"][figure], "{figure}");
     }
+    // A PLY has a UV for every corner: those of one vertex in one place are one.
+    let ply = folder.path("first.ply");
+    run_on(&format!("-o {} --seams auto", ply.display()), &[&torus]);
+    assert_eq!(run_on("--seams keep --json -", &[&ply]).result()["atlas"]["seam_edges"], cut["atlas"]["seam_edges"]);
     let none = run_on("--seams keep", &[&torus]);
     assert_eq!(none.code, 2);
     assert!(none.stderr.contains("it has no seams to keep"), "{}", none.stderr);
@@ -77,6 +81,50 @@ fn what_is_broken_is_repaired_and_said_or_refused_if_strict() {
         assert_eq!((strict.code, &strict.result()["error"]["kind"]), (2, &"not-clean".into()));
         assert!(strict.stderr.contains(said), "{said}: {}", strict.stderr);
     }
+}
+
+#[test]
+fn a_component_without_area_does_not_cost_the_others_their_charts() {
+    let folder = Folder::new();
+    let stray = "v 9 9 9\nv 9 9 10\nv 9 9 11\n";
+    let torus = surfaces::torus();
+    let vertices = torus.lines().filter(|line| line.starts_with("v ")).count();
+    let text = format!("{torus}{stray}f {} {} {}\n", vertices + 1, vertices + 2, vertices + 3);
+    let ran = run_on("--json -", &[&folder.file("mesh.obj", text)]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(ran.stderr.contains("1 face of components without any area put into one point"), "{}", ran.stderr);
+    assert_eq!(ran.result()["atlas"]["charts"].as_array().map(Vec::len), Some(1));
+}
+
+#[test]
+fn limits_and_histories_of_charts_are_said() {
+    let folder = Folder::new();
+    let torus = folder.file("torus.obj", surfaces::torus());
+    let late = run_on("--time-limit 0 --json -", &[&torus]);
+    assert_eq!(
+        (late.code, &late.result()["atlas"]["charts"][0]["termination"]),
+        (1, &"time-limit".into()),
+        "{}",
+        late.stderr
+    );
+    assert!(late.result()["hint"].as_str().is_some_and(|hint| hint.contains("--time-limit")), "{}", late.stderr);
+    let small = run_on("--max-memory 5K --json -", &[&torus]);
+    assert_eq!((small.code, &small.result()["error"]["kind"]), (2, &"memory".into()), "{}", small.stderr);
+    let history = folder.path("history.json");
+    let ran = run_on(&format!("--history {}", history.display()), &[&torus]);
+    assert!(ran.stderr.contains("no iterations are kept"), "{}", ran.stderr);
+}
+
+#[test]
+fn charts_are_the_same_for_any_number_of_threads() {
+    let folder = Folder::new();
+    let two = folder.file("torus.obj", surfaces::torus());
+    let written = |threads: usize| {
+        let out = folder.path("out.obj");
+        run_on(&format!("--threads {threads} -o {}", out.display()), &[&two]);
+        fs::read(out).expect("written")
+    };
+    assert_eq!(written(1), written(3));
 }
 
 #[test]
@@ -134,6 +182,9 @@ fn a_disk_is_one_chart_in_the_unit_square_when_charts_are_asked_for() {
 fn options_that_contradict_each_other_or_are_out_of_range_are_named() {
     for (options, part) in [
         ("--disks-only --seams auto", "--disks-only makes no charts"),
+        ("--disks-only -o out.glb", "a glTF takes an atlas"),
+        ("--remap r.json", "--remap concerns a glTF"),
+        ("--overwrite", "--overwrite concerns a glTF"),
         ("--max-stretch 0.5", "--max-stretch must be at least 1, got 0.5"),
         ("--resolution 64 --margin 32", "--margin must be at most a quarter of --resolution 64, got 32"),
         ("--seam-lines seams.txt", "must end in .obj"),

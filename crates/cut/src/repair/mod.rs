@@ -4,8 +4,7 @@
 //!   around.
 //! * An edge of three or more faces is split. Two of its faces stay joined where that works out: pairs in one piece of
 //!   the surface before others, pairs oriented alike before others, then the most coplanar. Where both ends of the edge
-//!   cannot be told apart after that, all of its faces are let go; those that still lie between the same two vertices
-//!   when vertices have been split are joined again.
+//!   cannot be told apart after that, all of its faces are let go.
 //! * Every connected piece is oriented one way, the way of most of its faces. Where it has one side only, it is cut
 //!   where the two orientations meet.
 //! * A vertex is there once for each fan of faces around it.

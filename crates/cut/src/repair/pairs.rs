@@ -116,8 +116,8 @@ impl Pairs {
     /// Looks for edges between new vertices whose faces are not as these pairs say, and loosens something there. `true`
     /// when there were any: fans have to be made again.
     ///
-    /// A crowded edge is let go of first. What then is an edge of two faces oriented alike is joined; at any other, the
-    /// corners of all its faces but the first get vertices of their own, which settles it.
+    /// A crowded edge is let go of first. At any other, the corners of all its faces but the first get vertices of their own,
+    /// which settles it.
     pub(super) fn let_go_of_conflicts(&mut self, faces: &[[VertexId; 3]], separated: &[[VertexId; 3]]) -> bool {
         let corner_vertex = separated.as_flattened();
         let all = by_edge(corner_vertex);
