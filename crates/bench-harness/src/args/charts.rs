@@ -6,7 +6,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-const CHARTS: &str = "Options of charts (for meshes that are no disks, or when one of these is given)";
+const CHARTS: &str = "Charts: for meshes that are no disks, or when one of these is given";
 
 /// How meshes become charts, and charts an atlas. What was not given is `None`.
 #[derive(Debug, Default, clap::Args)]

@@ -149,7 +149,7 @@ fn a_mesh_that_fails_is_a_row_with_its_reason_and_the_others_are_compared() {
     let kinds: Vec<Option<&str>> = results.iter().map(|result| result["error"]["kind"].as_str()).collect();
     assert_eq!(kinds, [None, None, None, Some("closed"), Some("bad-header"), None, None, None]);
     let markdown = std::fs::read_to_string(&markdown).expect("written");
-    assert!(markdown.contains("cut it open along seams first"), "{markdown}");
+    assert!(markdown.contains("cut it into charts first"), "{markdown}");
     assert!(ran.stdout.contains("error: closed") && ran.stdout.contains("error: bad-header"), "{}", ran.stdout);
 }
 
@@ -177,7 +177,9 @@ fn the_report_is_one_page_about_every_mesh() {
     assert_eq!(compare(&options, &[&fixture("pyramid"), &torus, &fixture("obtuse")]).code, 2);
     let html = std::fs::read_to_string(&page).expect("written");
     assert!(html.starts_with("<!DOCTYPE html>"), "{html:.100}");
-    for text in ["pyramid.obj", "torus.obj", "obtuse.obj", "minres", "preconditioner", "cut it open", "not valid"] {
+    for text in
+        ["pyramid.obj", "torus.obj", "obtuse.obj", "minres", "preconditioner", "cut it into charts first", "not valid"]
+    {
         assert!(html.contains(text), "{text}");
     }
     assert!(!html.contains("src=\"http"), "it needs no network");

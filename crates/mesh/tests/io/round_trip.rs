@@ -132,6 +132,12 @@ fn paths_that_cannot_be_read_or_written_are_named() {
     let missing = folder.path().join("missing.obj");
     let e = read(&missing).unwrap_err();
     assert!(matches!(&e, ReadError::Open { file, .. } if file.ends_with("missing.obj")), "{e}");
+    // Whatever its extension: what is not there has no wrong one.
+    let e = read(&folder.path().join("missing")).unwrap_err();
+    assert!(matches!(&e, ReadError::Open { .. }), "{e}");
+    for name in ["mesh.fbx", "mesh"] {
+        std::fs::write(folder.path().join(name), "v 0 0 0").expect("written");
+    }
     let e = read(&folder.path().join("mesh.fbx")).unwrap_err();
     assert!(matches!(&e, ReadError::UnknownExtension { known, .. } if known == "glb, gltf, obj, off, ply, stl"), "{e}");
     let e = read(&folder.path().join("mesh")).unwrap_err();
