@@ -234,6 +234,13 @@ fn number(name: &str, default: u64) -> u64 {
 }
 
 #[test]
+fn the_descent_does_not_jump_to_a_drawing_that_winds_twice() {
+    // Found among a million: all triangles counter-clockwise, and one vertex wound around twice.
+    let flat = abf::flatten(&random_mesh(649_291)).expect("a disk");
+    assert!(flat.certificate.valid(), "{:?}", flat.certificate);
+}
+
+#[test]
 fn random_disks_are_valid_or_said_not_to_be() {
     let (first, count) = (number("ABF_RANDOM_FIRST", 0), number("ABF_RANDOM_MESHES", BY_DEFAULT));
     let outcomes: Vec<(u64, Result<String, String>)> =

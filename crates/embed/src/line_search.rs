@@ -5,6 +5,7 @@ use crate::objective::Objective;
 use crate::plane::{angles, first_collapse, not_counter_clockwise, of_face};
 use crate::retract::Retraction;
 use abf_mesh::{Point2, Topology, Vector2};
+use std::f64::consts::PI;
 
 /// The least part of the decrease that the slope promises (Armijo 1966).
 const SUFFICIENT: f64 = 1e-4;
@@ -39,6 +40,15 @@ pub(crate) struct Place {
 /// The angles of every corner of a drawing.
 pub(crate) fn measured(topology: &Topology, uv: &[Point2<f64>]) -> Vec<f64> {
     topology.faces().flat_map(|f| angles(&of_face(topology, uv, f))).collect()
+}
+
+/// Whether the triangles around an interior vertex, all counter-clockwise, turn around it more than once. Their angles sum
+/// to a multiple of 2π, so rounding cannot make one of another.
+fn winds_twice(objective: &Objective<'_, '_>, angles: &[f64]) -> bool {
+    const BETWEEN_ONCE_AND_TWICE: f64 = 3.0 * PI;
+    let rows = objective.problem.rows();
+    let sum = |i: usize| rows.hubs(i).iter().map(|c| angles[c.index()]).sum::<f64>();
+    (0..rows.interior_count()).any(|i| sum(i) > BETWEEN_ONCE_AND_TWICE)
 }
 
 /// The search from one place.
@@ -95,6 +105,10 @@ impl Search<'_, '_, '_> {
             return None;
         }
         let angles = measured(topology, &uv);
+        // A step that turns edges may jump: all triangles counter-clockwise, and yet twice around a vertex.
+        if winds_twice(&self.objective, &angles) {
+            return None;
+        }
         let objective = self.objective.value(&angles);
         let enough = objective < self.value && objective <= self.value + SUFFICIENT * share * self.direction.slope;
         enough.then_some(Place { uv, angles, objective, share, kind })
