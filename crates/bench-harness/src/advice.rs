@@ -16,7 +16,7 @@ const SUGGESTIONS: usize = 2;
 pub(crate) fn next_to_try(record: &Record) -> Option<String> {
     let (run, quality, solver) = (record.run.as_ref()?, record.quality.as_ref()?, record.solver?);
     if record.outcome() == Outcome::AsAsked {
-        return None;
+        return stretched(record);
     }
     let metrics = quality.metrics();
     let mut what = Vec::new();
@@ -88,11 +88,25 @@ pub(crate) fn next_for_charts(record: &Record) -> Option<String> {
         return Some("give it a longer --time-limit: it is one for all charts".to_owned());
     }
     if invalid > 0 || record.quality.as_ref().is_some_and(|quality| !quality.valid) {
-        return Some(
-            "try a smaller --max-stretch, which cuts further, or write an obj or ply, which hold doubles".to_owned(),
-        );
+        let hint =
+            "try --cut-disks, which cuts disks, too, where they stretch; an obj or ply holds doubles, a glTF does not";
+        return Some(hint.to_owned());
     }
-    (!termination.is_as_asked()).then(|| "try more --max-iterations, or a smaller --max-stretch".to_owned())
+    if !termination.is_as_asked() {
+        return Some("try more --max-iterations, or --cut-disks".to_owned());
+    }
+    stretched(record)
+}
+
+/// What to try with a map that is valid and of little use.
+fn stretched(record: &Record) -> Option<String> {
+    /// A texture that is stretched this much has one texel where it should have a hundred.
+    const OF_LITTLE_USE: f64 = 10.0;
+    let stretch = record.quality.as_ref()?.metrics().stretch_l2;
+    (stretch > OF_LITTLE_USE).then(|| {
+        let stretch = significant(stretch, 2);
+        format!("an L2 stretch of {stretch} is of little use: --cut-disks cuts the mesh where it stretches")
+    })
 }
 
 /// How near the UVs are to what doubles can hold; `None` where there is room to spare.

@@ -7,7 +7,9 @@ use crate::methods::usage;
 use crate::number::count;
 use crate::record::{Atlas as AtlasRecord, Charted};
 use abf::cut::RepairReport;
-use abf::{Atlas, Observer, Packed, Pipeline, Precision, SeamRule, Stored, SurfaceHints, Unwrap, Unwrapped};
+use abf::{
+    Atlas, AtlasPages, Observer, Packed, Pipeline, Precision, SeamRule, Stored, SurfaceHints, Unwrap, Unwrapped,
+};
 use abf_mesh::TriMesh;
 use abf_mesh::io::{MeshFormat, stored_uv};
 use clap::error::ErrorKind;
@@ -91,7 +93,9 @@ impl Charting {
                 return wrong(format!("{option} {}: the name must end in .{extension}", path.display()));
             }
         }
-        let seams = args.seams.unwrap_or_default();
+        // Pages per material make sense only where charts end at their borders.
+        let by_material = args.atlas == Some(AtlasPages::PerMaterial);
+        let seams = args.seams.unwrap_or(if by_material { SeamsFrom::File } else { SeamsFrom::Auto });
         let rule = if seams == SeamsFrom::Auto { SeamRule::Auto } else { SeamRule::Keep };
         Ok(Self {
             unwrap: Unwrap {
@@ -143,7 +147,9 @@ impl Charting {
             face_labels: known.labels.as_deref().filter(|_| keeps),
             forbidden: known.forbidden.as_deref(),
         };
-        if keeps && hints.uv.is_none() && hints.face_labels.is_none() {
+        // Without materials the packing has more to say.
+        let says_more = self.atlas.pages == AtlasPages::PerMaterial;
+        if keeps && !says_more && hints.uv.is_none() && hints.face_labels.is_none() {
             return Err(Failure::no_seams(&loaded.name));
         }
         let unwrap = Unwrap { pipeline: Pipeline { normalize: false, ..*pipeline }, ..self.unwrap };
@@ -169,10 +175,13 @@ impl Charting {
             said.push(format!("{faces} of components without any area put into one point"));
         }
         if !unwrapped.turned.is_empty() || !unwrapped.followers.is_empty() {
-            said.push(
-                "charts are judged as repaired; in the order of the file, turned and dropped faces count as they stand"
-                    .to_owned(),
-            );
+            let (turned, dropped) = (unwrapped.turned.len(), unwrapped.followers.len().div_ceil(3));
+            said.push(format!(
+                "faces are written with the corners of the file, and judged as repaired: `metrics` of the output counts {} \
+                 that were turned around, and {} that were dropped, as they stand there",
+                count(turned, "face", "faces"),
+                count(dropped, "face", "faces")
+            ));
         }
         AtlasRecord {
             charts: unwrapped

@@ -12,7 +12,7 @@ use crate::show::show;
 use crate::source::Source;
 use crate::{charting, console, files, table};
 use abf_mesh::io::{GltfTexcoords, MeshFormat};
-use abf_mesh::{TriMesh, UvMap, VertexId, io};
+use abf_mesh::{Point3, TriMesh, UvMap, VertexId, io};
 use abf_report::svg::{SvgStyle, layout_svg};
 use abf_report::{PictureStyle, picture};
 use std::path::Path;
@@ -199,7 +199,31 @@ fn write(path: &Path, loaded: &Loaded, uv: &UvMap, overwrite: bool) -> Result<Ke
         _ => {}
     }
     io::write(path, &loaded.mesh, Some(uv)).map_err(failed)?;
-    Ok(Kept::default())
+    let mut notes = Vec::new();
+    if loaded.holds_more() {
+        notes.push(
+            "only vertices, faces and UVs are written to another format: materials, normals and the like are not"
+                .to_owned(),
+        );
+    }
+    let to_gltf = matches!(MeshFormat::from_path(path), Some(MeshFormat::Gltf | MeshFormat::Glb));
+    let merged = if to_gltf { merged_faces(&loaded.mesh) } else { 0 };
+    if merged > 0 {
+        let faces = count(merged, "face has", "faces have");
+        let way_out = "move the mesh to the origin, or write an obj or ply";
+        notes.push(format!("{faces} corners in one place in the 32-bit numbers of glTF: {way_out}"));
+    }
+    Ok(Kept { remap: None, notes })
+}
+
+/// Faces of which two corners are in one place when their coordinates have 32 bits, and not before.
+fn merged_faces(mesh: &TriMesh) -> usize {
+    let pairs = [(0, 1), (1, 2), (2, 0)];
+    let merged = |corners: [Point3<f64>; 3]| {
+        let single = corners.map(|p| p.map(|x| x as f32));
+        pairs.iter().any(|&(i, k)| single[i] == single[k] && corners[i] != corners[k])
+    };
+    mesh.triangles().filter(|&corners| merged(corners)).count()
 }
 
 fn draw(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {

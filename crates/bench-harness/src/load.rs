@@ -10,7 +10,7 @@ use crate::source::{Gltf, Source};
 use abf_mesh::io::{ObjDocument, ReadNotes};
 use abf_mesh::{TriMesh, UvMap, VertexId};
 use std::collections::{BTreeMap, HashSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// A mesh and what is known of it.
@@ -24,8 +24,10 @@ pub(crate) struct Loaded {
     pub(crate) uv: Option<UvMap>,
     /// The document, if it is a glTF.
     pub(crate) gltf: Option<Box<Gltf>>,
-    /// The file, if it is an OBJ that holds more than a mesh.
+    /// The file, if it is an OBJ.
     obj: Option<PathBuf>,
+    /// Whether that holds more than vertices and faces, comments aside.
+    more: bool,
     /// What reading did beyond copying.
     pub(crate) notes: Vec<String>,
     /// Whether polygons were cut into triangles.
@@ -67,10 +69,10 @@ impl Loaded {
         let (file, gltf) = source.read()?;
         let read_s = begin.elapsed().as_secs_f64();
         let notes = file.notes.sentences();
-        let obj = source.obj().filter(|_| holds_more(&file.notes) || file.uv.is_some()).cloned();
+        let (obj, more) = (source.obj().cloned(), holds_more(&file.notes) || file.uv.is_some());
         let (mesh, uv, fanned) = (file.mesh, file.uv, file.notes.polygons_fanned > 0);
         let (bytes, peak_of_reading) = (heap.bytes(), heap.peak_bytes());
-        Ok(Self { name, mesh, uv, gltf, obj, notes, fanned, read_s, bytes, peak_of_reading })
+        Ok(Self { name, mesh, uv, gltf, obj, more, notes, fanned, read_s, bytes, peak_of_reading })
     }
 
     /// Whether it is a glTF document.
@@ -83,12 +85,17 @@ impl Loaded {
     /// # Errors
     /// When the file cannot be read again, or was changed meanwhile.
     pub(crate) fn obj(&self) -> Result<Option<ObjDocument>, Failure> {
-        let Some(path) = &self.obj else { return Ok(None) };
+        let Some(path) = self.obj.as_ref().filter(|path| self.more || has_comments(path)) else { return Ok(None) };
         let document = ObjDocument::read(path).map_err(|error| Failure::read(&error))?;
         if document.file().mesh != self.mesh {
             return Err(Failure::changed(&self.name));
         }
         Ok(Some(document))
+    }
+
+    /// Whether the file has materials, normals or anything else besides vertices, faces and UVs.
+    pub(crate) fn holds_more(&self) -> bool {
+        self.gltf.is_some() || (self.obj.is_some() && self.more)
     }
 
     /// What the file knows of its faces; groups only if `with_groups`.
@@ -150,6 +157,11 @@ pub(crate) struct Known {
     pub(crate) materials: Option<Vec<u32>>,
     /// For every corner whether the edge that it faces may not be a seam.
     pub(crate) forbidden: Option<Vec<bool>>,
+}
+
+/// Whether there may be comments in an OBJ; what cannot be read is told by who reads it next.
+fn has_comments(path: &Path) -> bool {
+    std::fs::read(path).is_ok_and(|bytes| bytes.contains(&b'#'))
 }
 
 /// Whether a file holds more than a writer of meshes would write again.

@@ -12,7 +12,7 @@ const CHARTS: &str = "Charts: for meshes that are no disks, or when one of these
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct ChartArgs {
     /// Where seams come from: found where the map stretches; those of the UVs the file has; or those and the borders of its
-    /// groups and materials [default: auto]
+    /// groups and materials; what these leave is cut only as far as makes disks [default: auto; file with --atlas per-material]
     #[arg(long, value_name = "auto|keep|file", value_parser = one_of::<SeamsFrom, _>(SeamsFrom::ALL.map(SeamsFrom::name)), help_heading = CHARTS)]
     pub(crate) seams: Option<SeamsFrom>,
     /// What becomes of holes: closed while the angles are solved for, joined by seams, or left to least squares

@@ -42,7 +42,7 @@ Exit codes:
 
 /// Flatten triangle meshes and say how good, how valid and how fast it was.
 #[derive(Debug, Parser)]
-#[command(version, args_conflicts_with_subcommands = true, after_help = EXIT_CODES)]
+#[command(version, args_conflicts_with_subcommands = true, allow_negative_numbers = true, after_help = EXIT_CODES)]
 pub(crate) struct Args {
     /// Something else than flattening.
     #[command(subcommand)]
@@ -182,7 +182,7 @@ pub(crate) struct SurveyArgs {
 /// The arguments of `metrics`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct MetricsArgs {
-    /// Files with UVs: obj, off or ply
+    /// Files with UVs: obj, off, ply, gltf or glb
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
     /// Write the results as JSON; with - to stdout, and the table goes to stderr

@@ -54,7 +54,8 @@ fn charts_line(atlas: &Atlas) -> String {
         parts.push(format!("{} closed while solving", count(filled, "hole", "holes")));
     }
     let worst = charts.iter().map(|chart| chart.stretch_l2).fold(0.0, f64::max);
-    parts.push(format!("largest L2 stretch of one {}", significant(worst, DIGITS + 1)));
+    let aim = if worst > atlas.max_stretch { format!(" (aimed at {})", atlas.max_stretch) } else { String::new() };
+    parts.push(format!("largest L2 stretch of one {}{aim}", significant(worst, DIGITS + 1)));
     parts.join(", ")
 }
 

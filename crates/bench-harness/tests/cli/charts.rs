@@ -150,6 +150,22 @@ fn an_obj_keeps_its_quads_materials_and_normals() {
 }
 
 #[test]
+fn comments_of_a_plain_obj_are_kept_and_another_format_says_what_stays_behind() {
+    let folder = Folder::new();
+    let text = "# mine\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n# faces\nf 1 2 3\nf 2 4 3 # last\n";
+    let (mesh, out) = (folder.file("mesh.obj", text), folder.path("out.obj"));
+    assert_eq!(run_on(&format!("-o {}", out.display()), &[&mesh]).code, 0);
+    let written = fs::read_to_string(&out).expect("written");
+    assert!(["# mine", "# faces", "# last"].iter().all(|comment| written.contains(comment)), "{written}");
+    let normals = folder.file("normals.obj", format!("vn 0 0 1\n{text}"));
+    let ran = run_on(&format!("-o {}", folder.path("out.glb").display()), &[&normals]);
+    assert!(ran.stderr.contains("only vertices, faces and UVs are written"), "{}", ran.stderr);
+    let far = folder.file("far.obj", "v 4e7 0 0\nv 40000000.5 0 0\nv 4e7 0.5 0\nf 1 2 3\n");
+    let ran = run_on(&format!("-o {}", folder.path("far.glb").display()), &[&far]);
+    assert!(ran.stderr.contains("1 face has corners in one place"), "{}", ran.stderr);
+}
+
+#[test]
 fn a_gltf_goes_in_and_comes_out_with_uvs() {
     let folder = Folder::new();
     let torus = folder.file("torus.obj", surfaces::torus());
