@@ -34,14 +34,9 @@ impl EstimateSettings {
     #[must_use]
     pub fn clamp(&self, angles: &mut [f64]) -> usize {
         let (low, high) = (self.angle_bound, PI - self.angle_bound);
-        let mut moved = 0;
-        for x in angles {
-            if !(low..=high).contains(x) {
-                *x = if *x > high { high } else { low };
-                moved += 1;
-            }
-        }
-        moved
+        let is_outside = |x: &&mut f64| !(low..=high).contains(*x);
+        let move_in = |x: &mut f64| *x = if *x > high { high } else { low };
+        angles.par_iter_mut().with_min_len(PER_TASK).filter(is_outside).map(move_in).count()
     }
 
     fn check(&self) -> Result<(), ProblemError> {

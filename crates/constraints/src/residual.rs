@@ -92,23 +92,24 @@ pub(crate) fn per_corner(angles: &[f64], f: impl Fn(f64) -> f64 + Sync) -> Vec<f
 /// report of this project speaks of. Infinite when an angle is NaN.
 #[must_use]
 pub fn max_residual(topology: &Topology, rows: &ConstraintRows, angles: &[f64]) -> f64 {
-    if angles.iter().any(|x| x.is_nan()) {
+    let all = || angles.par_iter().with_min_len(PER_TASK);
+    if all().any(|x| x.is_nan()) {
         return f64::INFINITY;
     }
-    let clamped: Vec<f64> = angles.iter().map(|x| x.clamp(RESIDUAL_CLAMP, PI - RESIDUAL_CLAMP)).collect();
+    let clamped: Vec<f64> = all().map(|x| x.clamp(RESIDUAL_CLAMP, PI - RESIDUAL_CLAMP)).collect();
     largest(&residual(WheelForm::Log, topology, rows, &clamped))
 }
 
 /// `max |h|` of constraints already computed.
 #[must_use]
 pub fn largest(h: &[f64]) -> f64 {
-    h.iter().fold(0.0, |max, h| h.abs().max(max))
+    h.par_iter().with_min_len(PER_TASK).map(|h| h.abs()).reduce(|| 0.0, |a, b| b.max(a))
 }
 
 /// How many angles are not inside `(0, π)`.
 #[must_use]
 pub fn angles_out_of_range(angles: &[f64]) -> usize {
-    angles.iter().filter(|&&x| !(x > 0.0 && x < PI)).count()
+    angles.par_iter().with_min_len(PER_TASK).filter(|&&x| !(x > 0.0 && x < PI)).count()
 }
 
 #[cfg(test)]

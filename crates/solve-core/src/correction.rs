@@ -21,7 +21,11 @@ use crate::{DirectStep, KktStep, KktSystem, KktVector, LinearError, StepError, S
 use abf_constraints::{ConstraintRows, WheelDerivative};
 use abf_linalg::{Parts, Permutation, SingleCholesky, SymbolicCholesky, vector};
 use abf_mesh::Topology;
+use rayon::prelude::*;
 use std::sync::Arc;
+
+/// Fewer corners are not worth a thread.
+const PER_TASK: usize = 1 << 13;
 
 /// A solve that needed more iterations than this has an outdated preconditioner.
 const REFACTOR_AFTER: usize = 40;
@@ -85,7 +89,7 @@ impl LeastCorrection {
     /// # Errors
     /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
     pub fn new(topology: &Topology, rows: &ConstraintRows, lambda: Vec<f64>) -> Result<Self, LinearError> {
-        let inverse: Vec<f64> = lambda.iter().map(|l| 1.0 / l).collect();
+        let inverse: Vec<f64> = lambda.par_iter().with_min_len(PER_TASK).map(|l| 1.0 / l).collect();
         let spokes = Spokes::new(topology, rows);
         let analyse = || {
             let graph = spokes.graph(rows);

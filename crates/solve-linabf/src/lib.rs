@@ -23,6 +23,7 @@ use abf_solve_core::{
     AngleSolution, AngleSolver, DirectStep, IterationRecord, KktStep, KktSystem, KktVector, LeastCorrection,
     Linearisation, Observer, SolveError, StepError, StepReport, StopCriteria, Termination, Watch,
 };
+use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::fmt;
 use std::num::NonZeroUsize;
@@ -156,9 +157,12 @@ impl LinAbf {
     }
 }
 
+/// Fewer corners are not worth a thread.
+const PER_TASK: usize = 1 << 13;
+
 /// `Λ = 2/α²` (LinABF eq. (12)).
 fn metric(estimate: &[f64]) -> Vec<f64> {
-    estimate.iter().map(|x| 2.0 / (x * x)).collect()
+    estimate.par_iter().with_min_len(PER_TASK).map(|x| 2.0 / (x * x)).collect()
 }
 
 /// What solves for the correction of a pass.
@@ -212,8 +216,8 @@ impl<'p, 'a> Run<'p, 'a> {
         let target = self.target(before, stop);
         let (report, correction) = self.correction(target, watch)?;
 
-        let step = correction.iter().fold(0.0, |max: f64, e| max.max(e.abs()));
-        self.angles.iter_mut().zip(&correction).for_each(|(x, e)| *x += e);
+        let step = largest(&correction);
+        self.angles.par_iter_mut().with_min_len(PER_TASK).zip(&correction).for_each(|(x, e)| *x += e);
         (self.residual, self.wheel) = linearise(self.problem.rows(), &self.angles);
         self.residual_before = before;
         let record = IterationRecord {
