@@ -83,11 +83,10 @@ fn rung(rung: &Rung) -> String {
 pub(crate) fn next_for_charts(record: &Record) -> Option<String> {
     let atlas = record.atlas.as_ref()?;
     let termination = atlas.termination()?;
-    let invalid = atlas.charts.iter().filter(|chart| !chart.valid).count();
     if termination == Termination::TimeLimit {
         return Some("give it a longer --time-limit: it is one for all charts".to_owned());
     }
-    if invalid > 0 || record.quality.as_ref().is_some_and(|quality| !quality.valid) {
+    if atlas.charts.iter().any(|chart| !chart.valid) || record.quality.as_ref().is_some_and(|quality| !quality.valid) {
         let hint =
             "try --cut-disks, which cuts disks, too, where they stretch; an obj or ply holds doubles, a glTF does not";
         return Some(hint.to_owned());

@@ -6,6 +6,7 @@ use crate::load::Loaded;
 use crate::methods::usage;
 use crate::number::count;
 use crate::record::{Atlas as AtlasRecord, Charted};
+use crate::settings::check_extension;
 use abf::cut::RepairReport;
 use abf::{
     Atlas, AtlasPages, Observer, Packed, Pipeline, Precision, SeamRule, Stored, SurfaceHints, Unwrap, Unwrapped,
@@ -89,8 +90,8 @@ impl Charting {
             return wrong(format!("--margin must be at most a quarter of --resolution {resolution}, got {margin}"));
         }
         for (option, path, extension) in [("--seam-lines", &args.seam_lines, "obj"), ("--remap", &args.remap, "json")] {
-            if let Some(path) = path.as_ref().filter(|path| !has_extension(path, extension)) {
-                return wrong(format!("{option} {}: the name must end in .{extension}", path.display()));
+            if let Some(path) = path {
+                check_extension(option, path, &[extension])?;
             }
         }
         // Pages per material make sense only where charts end at their borders.
@@ -202,10 +203,6 @@ impl Charting {
             repairs: said,
         }
     }
-}
-
-fn has_extension(path: &Path, extension: &str) -> bool {
-    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }
 
 /// The seams as an OBJ of lines.

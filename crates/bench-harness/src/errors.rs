@@ -70,12 +70,6 @@ impl Failure {
         Self::new(("no-picture", hint), format!("{}: there are {pages} pages, and a picture shows one", path.display()))
     }
 
-    /// A remap of vertices that there is none of.
-    pub(crate) fn no_remap(path: &Path) -> Self {
-        let hint = "name a glTF as input and one as --output";
-        Self::new(("no-remap", hint), format!("{}: only vertices of a glTF become others", path.display()))
-    }
-
     /// A file that was changed while it was worked on.
     pub(crate) fn changed(mesh: &str) -> Self {
         let hint = "start again when nothing else writes it";

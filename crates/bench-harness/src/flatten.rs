@@ -149,10 +149,8 @@ fn write_files(
     let svg = settings.svg.as_deref().map(|path| (path, one_page(path).and_then(|()| draw_layout(path, mesh, uv))));
     let lines = charting.seam_lines.as_deref();
     let lines = lines.map(|path| (path, files::replace(path, charting::seam_lines(mesh, seams).as_bytes())));
-    let remap = charting.remap.as_deref().map(|path| match &remap {
-        Some(json) => (path, files::replace(path, json.as_bytes())),
-        None => (path, Err(Failure::no_remap(path))),
-    });
+    let remap = charting.remap.as_deref().zip(remap);
+    let remap = remap.map(|(path, json)| (path, files::replace(path, json.as_bytes())));
     let mut end = Ok(());
     for (path, result) in [written, png, svg, lines, remap].into_iter().flatten() {
         match (result, &end) {

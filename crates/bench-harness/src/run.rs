@@ -69,13 +69,12 @@ pub(crate) fn flatten(
     let mut progress = watch(loaded, method, cancel).with_curves(with_curves);
     let mesh = &loaded.mesh;
     // Inside the pool once, and not anew for every loop that is shared out.
-    let flat = match rayon::scope(|_| method.pipeline.run(mesh, &mut progress)) {
-        Ok(flat) => flat,
-        Err(error) if is_no_disk(&error) && charting.is_some() => {
-            let charting = charting.expect("there is some");
+    let flat = match (rayon::scope(|_| method.pipeline.run(mesh, &mut progress)), charting) {
+        (Ok(flat), _) => flat,
+        (Err(error), Some(charting)) if is_no_disk(&error) => {
             return in_charts(loaded, method, charting, cancel, record);
         }
-        Err(error) => return refused(loaded, record, &error),
+        (Err(error), _) => return refused(loaded, record, &error),
     };
     progress.end_stages();
     // What was flattened is a disk.

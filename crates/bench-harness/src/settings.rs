@@ -129,7 +129,11 @@ fn check_is_for_one(option: &str, path: &Path, meshes: usize, solvers: usize) ->
     Err(usage(ErrorKind::TooManyValues, message))
 }
 
-fn check_extension(option: &str, path: &Path, extensions: &[&str]) -> Result<(), clap::Error> {
+/// Checks that the name of a file says what will be in it.
+///
+/// # Errors
+/// A usage error with the endings that would.
+pub(crate) fn check_extension(option: &str, path: &Path, extensions: &[&str]) -> Result<(), clap::Error> {
     let found = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
     if extensions.iter().any(|extension| found.eq_ignore_ascii_case(extension)) {
         return Ok(());
