@@ -57,15 +57,14 @@ impl Charting {
         let is_asked = args.is_asked();
         let (unwrap, atlas) = (Unwrap::default(), Atlas::default());
         let wrong = |message: String| Err(usage(ErrorKind::ValueValidation, message));
-        let format = output.and_then(MeshFormat::from_path);
-        let to_gltf = matches!(format, Some(MeshFormat::Glb | MeshFormat::Gltf));
+        let is_gltf = |path: &Path| MeshFormat::from_path(path).is_some_and(MeshFormat::is_gltf);
+        let to_gltf = output.is_some_and(is_gltf);
         if args.disks_only && to_gltf {
             let message = "a glTF takes an atlas: leave out --disks-only, or write an obj or ply";
             return Err(usage(ErrorKind::ArgumentConflict, message));
         }
-        let is_gltf = |path: &PathBuf| matches!(MeshFormat::from_path(path), Some(MeshFormat::Glb | MeshFormat::Gltf));
         for (option, is_given) in [("--remap", args.remap.is_some()), ("--overwrite", args.overwrite)] {
-            if is_given && !(to_gltf && inputs.iter().any(is_gltf)) {
+            if is_given && !(to_gltf && inputs.iter().any(|input| is_gltf(input))) {
                 let message =
                     format!("{option} concerns a glTF that is read and written as one: name it, and -o FILE.glb");
                 return Err(usage(ErrorKind::ArgumentConflict, message));

@@ -175,7 +175,7 @@ struct Kept {
 fn write(path: &Path, loaded: &Loaded, uv: &UvMap, overwrite: bool) -> Result<Kept, Failure> {
     let failed = |error| Failure::write(path, &error);
     match (MeshFormat::from_path(path), &loaded.gltf) {
-        (Some(MeshFormat::Gltf | MeshFormat::Glb), Some(gltf)) => {
+        (Some(format), Some(gltf)) if format.is_gltf() => {
             let mut document = gltf.document.clone();
             let remap = document.set_uvs(uv, GltfTexcoords { set: None, overwrite }).map_err(failed)?;
             document.write(path).map_err(failed)?;
@@ -204,7 +204,7 @@ fn write(path: &Path, loaded: &Loaded, uv: &UvMap, overwrite: bool) -> Result<Ke
                 .to_owned(),
         );
     }
-    let to_gltf = matches!(MeshFormat::from_path(path), Some(MeshFormat::Gltf | MeshFormat::Glb));
+    let to_gltf = MeshFormat::from_path(path).is_some_and(MeshFormat::is_gltf);
     let merged = if to_gltf { merged_faces(&loaded.mesh) } else { 0 };
     if merged > 0 {
         let faces = count(merged, "face has", "faces have");

@@ -76,7 +76,7 @@ fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
 fn measured(mesh: &TriMesh, uv: UvMap, format: Option<MeshFormat>, is_single: bool) -> Result<Metrics, MetricsError> {
     let uv = match format {
         // It stores 1 − v, which has been turned back without rounding.
-        Some(MeshFormat::Glb | MeshFormat::Gltf) => uv,
+        Some(format) if format.is_gltf() => uv,
         _ if !is_single => return abf_metrics::measure(mesh, &uv),
         // Binary files hold them rounded; the digits of a text may say more than it stores.
         _ => uv.mapped(|p| p.map(|x| Precision::Single.round(x))),

@@ -51,7 +51,7 @@ impl Source {
         let failed = |error| Failure::read(&error);
         match self {
             Self::File(path) => match MeshFormat::from_path(path) {
-                Some(MeshFormat::Gltf | MeshFormat::Glb) if !path.is_dir() => {
+                Some(format) if format.is_gltf() && !path.is_dir() => {
                     let document = GltfDocument::read(path).map_err(failed)?;
                     let surface = document.surface().map_err(failed)?;
                     let materials = surface.material_of_faces();

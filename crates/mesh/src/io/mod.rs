@@ -93,6 +93,12 @@ impl MeshFormat {
         path.extension()?.to_str()?.parse().ok()
     }
 
+    /// Whether it is one of the two of glTF.
+    #[must_use]
+    pub const fn is_gltf(self) -> bool {
+        matches!(self, Self::Glb | Self::Gltf)
+    }
+
     /// All extensions, for messages.
     fn known() -> String {
         Self::ALL.map(Self::extension).join(", ")
@@ -135,7 +141,7 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
         }
         return Err(ReadError::UnknownExtension { file, known: MeshFormat::known() });
     };
-    if matches!(format, MeshFormat::Glb | MeshFormat::Gltf) {
+    if format.is_gltf() {
         return gltf::read(path);
     }
     match std::fs::read(path) {
