@@ -116,13 +116,14 @@ impl Pairs {
     /// Looks for edges between new vertices whose faces are not as these pairs say, and loosens something there. `true`
     /// when there were any: fans have to be made again.
     ///
-    /// A crowded edge is let go of first. At any other, the corners of all its faces but the first get vertices of their own,
-    /// which settles it.
+    /// An edge of one face loses its partner. A crowded edge is let go of first. At any other, the corners of all its faces
+    /// but the first get vertices of their own, which settles it.
     pub(super) fn let_go_of_conflicts(&mut self, faces: &[[VertexId; 3]], separated: &[[VertexId; 3]]) -> bool {
         let corner_vertex = separated.as_flattened();
         let all = by_edge(corner_vertex);
         let in_conflict = |pairs: &Self, same: &[([VertexId; 2], CornerId)]| match *same {
-            [_] => false,
+            // Its partner faces an edge between other copies: one of the two has a corner on its own.
+            [(_, c)] => pairs.partner(c).is_some(),
             [(_, c), (_, o)] => pairs.partner(c) != Some(o),
             _ => true,
         };
@@ -132,7 +133,9 @@ impl Pairs {
             .map(|same| same.iter().map(|&(_, c)| c).collect())
             .collect();
         for corners in &conflicts {
-            if !self.loosen(faces, corners[0]) {
+            if let [c] = corners[..] {
+                self.let_go(c);
+            } else if !self.loosen(faces, corners[0]) {
                 self.settle(corners);
             }
         }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::test_support::{mesh, moebius, octahedron, sheet, tetrahedron, torus};
+use crate::test_support::{Random, mesh, moebius, octahedron, sheet, tetrahedron, torus};
 use crate::{CostSettings, EdgeCosts, HoleFilling, Seams, extend, fill, open, split};
 use abf_mesh::Point3;
 use proptest::prelude::*;
@@ -160,6 +160,69 @@ fn nothing_to_work_with_is_said() {
     assert!(matches!(repair(&bad), Err(RepairError::Geometry(_))));
 }
 
+/// The surface of a random voxel model: two triangles for each side between a full cell and an empty one, vertices
+/// shared. Cells that touch along an edge or in a corner make it non-manifold.
+fn voxels(side: usize, density: f64, seed: u64) -> TriMesh {
+    let mut random = Random::new(seed);
+    let full: Vec<bool> = (0..side.pow(3)).map(|_| random.unit() < density).collect();
+    let is_full = |cell: [usize; 3]| {
+        let inside = cell.iter().all(|x| (1..=side).contains(x));
+        inside && full[cell.iter().fold(0, |at, x| at * side + x - 1)]
+    };
+    let grid = side + 3;
+    let mut faces = Vec::new();
+    for at in 0..(side + 1).pow(3) {
+        let cell = [at / (side + 1).pow(2), at / (side + 1) % (side + 1), at % (side + 1)];
+        for axis in 0..3 {
+            let step = |mut place: [usize; 3], axis: usize| {
+                place[axis] += 1;
+                place
+            };
+            let beyond = step(cell, axis);
+            if is_full(cell) == is_full(beyond) {
+                continue;
+            }
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            let square = [beyond, step(beyond, u), step(step(beyond, u), v), step(beyond, v)];
+            let [a, b, c, d] = square.map(|[x, y, z]| (x * grid + y) * grid + z);
+            faces.extend(if is_full(cell) { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
+        }
+    }
+    let place = |v: usize| [v / grid / grid, v / grid % grid, v % grid].map(|x| x as f64);
+    let points: Vec<[f64; 3]> = (0..grid.pow(3)).map(place).collect();
+    mesh(&points, &faces)
+}
+
+#[test]
+fn no_random_voxel_model_is_refused() {
+    for seed in 0..200 {
+        let side = 4 + (seed as usize) % 7;
+        let density = 0.35 + 0.05 * ((seed / 7) % 7) as f64;
+        let input = voxels(side, density, seed);
+        let result = repaired(&input);
+        assert_eq!(result.mesh.face_count(), input.face_count(), "{side}, {density}, {seed}");
+        for part in components(&result) {
+            let seams = open(&part.topology, &costs(&part.mesh, &part.topology));
+            require_one_disk(&split(&part.mesh, &part.topology, &seams).expect("charts"));
+        }
+    }
+}
+
+#[test]
+fn an_edge_whose_partner_has_moved_to_another_copy_is_let_go() {
+    // Random pages around few vertices: nearly every edge has many faces.
+    let mut random = Random::new(7);
+    for _ in 0..1000 {
+        let vertices = 4 + random.below(8);
+        let places: Vec<[f64; 3]> = (0..vertices).map(|_| [(); 3].map(|()| random.unit())).collect();
+        let count = 1 + random.below(40);
+        let mut faces: Vec<[usize; 3]> = (0..count).map(|_| [(); 3].map(|()| random.below(vertices))).collect();
+        faces.push([0, 1, 2]);
+        let result = repaired(&mesh(&places, &faces));
+        assert!(result.topology.face_count() > 0);
+    }
+}
+
 fn costs(mesh: &TriMesh, topology: &Topology) -> EdgeCosts {
     EdgeCosts::new(mesh, topology, &CostSettings::default(), |_| false)
 }
@@ -177,7 +240,9 @@ proptest! {
         places in prop::collection::vec([-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], 9),
     ) {
         let input = mesh(&places, &faces);
-        if repair(&input).is_err() {
+        if faces.iter().all(|&[a, b, c]| a == b || b == c || c == a) {
+            let nothing = RepairError::NoFaces { faces: faces.len() };
+            prop_assert_eq!(repair(&input), Err(nothing));
             return Ok(());
         }
         for part in components(&repaired(&input)) {
