@@ -41,10 +41,10 @@ pub(crate) struct Charted {
     /// How many triangles it has.
     pub(crate) triangles: usize,
     /// Whose result it is.
-    #[serde(serialize_with = "super::as_text")]
+    #[serde(serialize_with = "super::text::as_text")]
     pub(crate) solved_by: abf::SolverKind,
     /// How the solver ended.
-    #[serde(serialize_with = "super::as_text")]
+    #[serde(serialize_with = "super::text::as_text")]
     pub(crate) termination: Termination,
     /// No triangle flipped, none collapsed, no vertex wound around.
     pub(crate) valid: bool,

@@ -1,7 +1,8 @@
 //! What the solver and the layout did.
 
-use super::{Asked, as_optional_text, as_text};
-use crate::errors::chain;
+use super::settings::Asked;
+use super::text::{as_optional_text, as_text};
+use crate::record::failure::chain;
 use abf::{
     AngleSolution, Flattening, Hessian, IterationRecord, LayoutKind, Pipeline, RungReport, SolverKind, Termination,
     WheelForm,

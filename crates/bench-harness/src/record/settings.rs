@@ -1,8 +1,8 @@
 //! The settings of a run, as they are in the JSON.
 
-use super::{as_optional_text, as_text};
-use crate::args::InnerAccuracy;
-use crate::methods::{has_a_barrier, iterates_inside, keeps_constraints, makes_passes};
+use super::accuracy::InnerAccuracy;
+use super::kinds::{has_a_barrier, iterates_inside, keeps_constraints, makes_passes};
+use super::text::{as_optional_text, as_text};
 use abf::solve_core::InnerTolerance;
 use abf::{Hessian, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, WheelForm, ZeroArea};
 use serde::{Serialize, Serializer};

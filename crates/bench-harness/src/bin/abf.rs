@@ -1,0 +1,5 @@
+//! The program `abf`; see [`bench_harness`].
+
+fn main() -> std::process::ExitCode {
+    bench_harness::main()
+}

@@ -1,0 +1,227 @@
+//! The options of the solvers, and the values they take.
+
+use crate::record::InnerAccuracy;
+use abf::{Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, WheelForm, ZeroArea};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::value_parser;
+use std::fmt;
+use std::str::FromStr;
+
+/// More threads than any machine this was tried on has cores; some systems die of many more.
+pub(super) const MOST_THREADS: i64 = 1024;
+
+/// Every solver at once.
+const ALL: &str = "all";
+/// A threshold that is none.
+const OFF: &str = "off";
+
+const PASSES: &str = "Options of auto, linabf";
+const BARRIER: &str = "Options of auto, barrier, descent";
+const CONSTRAINTS: &str = "Options of every solver but descent and lscm";
+const ANGLES: &str = "Options of every solver but lscm";
+const NEWTON: &str = "Options of abf, abf++, abf-newton, abf-fixed-target, uzawa, minres";
+const ITERATIVE: &str = "Options of uzawa, minres";
+
+/// How to flatten: what every command that flattens takes, besides the solver's name.
+///
+/// What was not given is `None`, so that an option that means nothing to a solver can be refused.
+#[derive(Debug, clap::Args)]
+pub(crate) struct MethodArgs {
+    /// How angles become coordinates; auto is the tree when the angles close, else least squares
+    #[arg(long, value_name = "KIND", default_value_t, value_parser = one_of::<LayoutKind, _>(LayoutKind::ALL.map(LayoutKind::name)))]
+    pub(crate) layout: LayoutKind,
+    /// Scale the UVs into the unit square; otherwise they have the area of the surface, and charts are in it anyway
+    #[arg(long)]
+    pub(crate) normalize: bool,
+    /// What becomes of faces without area: they get a place like all others, or are refused
+    #[arg(long, value_name = "carry|refuse", default_value_t, value_parser = one_of::<ZeroArea, _>(["carry", "refuse"]))]
+    pub(crate) zero_area: ZeroArea,
+    /// How many threads to use; the results are the same for any number [default: one per core]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=MOST_THREADS))]
+    pub(crate) threads: Option<u16>,
+
+    /// Refuse meshes that would take more than SIZE, such as 500M or 4G; predicted, with K, M, G and T for
+    /// thousands, millions and so on of bytes [default: no limit]
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) max_memory: Option<MemorySize>,
+
+    /// Start rings whose angle deficit is above T rad from their target angles; off: none [default: 1]
+    #[arg(long, value_name = "T|off", help_heading = CONSTRAINTS)]
+    pub(crate) ring_switch: Option<RingSwitch>,
+    /// Start, and every pass of linabf again, from angles of at least B and at most π − B, rad [default: 0.001]
+    #[arg(long, value_name = "B", help_heading = CONSTRAINTS)]
+    pub(crate) angle_bound: Option<f64>,
+    /// Converged means a constraint residual of at most T, rad [default: 1e-8]
+    #[arg(long, value_name = "T", help_heading = CONSTRAINTS)]
+    pub(crate) tolerance: Option<f64>,
+    /// At most N outer iterations; of linabf passes, with --passes auto; of auto each rung [default: 50]
+    #[arg(long, value_name = "N", help_heading = ANGLES)]
+    pub(crate) max_iterations: Option<usize>,
+    /// Stop after so long, all rungs of auto together, and lay out what there is
+    #[arg(long, value_name = "SECONDS", help_heading = ANGLES)]
+    pub(crate) time_limit: Option<f64>,
+
+    /// How many passes to make: a number, or auto: until the constraints are met [default: auto]
+    #[arg(long, value_name = "N|auto", help_heading = PASSES)]
+    pub(crate) passes: Option<Passes>,
+
+    /// The last weight of the barrier that keeps triangles usable, in units of energy per corner [default: 0.001]
+    #[arg(long, value_name = "M", help_heading = BARRIER)]
+    pub(crate) barrier_floor: Option<f64>,
+
+    /// The form of the wheel condition [default: product for abf and abf++, else log]
+    #[arg(long, value_name = "FORM", help_heading = NEWTON, value_parser = one_of::<WheelForm, _>(["product", "log"]))]
+    pub(crate) wheel: Option<WheelForm>,
+    /// The second derivatives [default: gauss-newton for abf++ and abf-fixed-target, else exact]
+    #[arg(long, value_name = "KIND", help_heading = NEWTON, value_parser = one_of::<Hessian, _>(["exact", "gauss-newton"]))]
+    pub(crate) hessian: Option<Hessian>,
+    /// Shorten steps until a merit function falls, or take them in full [default: merit]
+    #[arg(long, value_name = "KIND", help_heading = NEWTON, value_parser = one_of::<LineSearch, _>(["merit", "full"]))]
+    pub(crate) line_search: Option<LineSearch>,
+
+    /// Which unknowns are eliminated first; none as published in 2004 [default: triangles]
+    #[arg(long, value_name = "ROWS", help_heading = ITERATIVE, value_parser = one_of::<Reduction, _>(["none", "triangles"]))]
+    pub(crate) reduction: Option<Reduction>,
+    /// The preconditioner; none as published in 2004 [default: block]
+    #[arg(long, value_name = "KIND", help_heading = ITERATIVE, value_parser = one_of::<PreconditionerKind, _>(["none", "jacobi", "block"]))]
+    pub(crate) preconditioner: Option<PreconditionerKind>,
+    /// At most N inner iterations in an outer one [default: 20000]
+    #[arg(long, value_name = "N", help_heading = ITERATIVE)]
+    pub(crate) max_inner_iterations: Option<usize>,
+    /// Solve to this relative residual; auto follows the constraint residual [default: auto]
+    #[arg(long, value_name = "T|auto", help_heading = ITERATIVE)]
+    pub(crate) inner_tolerance: Option<InnerAccuracy>,
+}
+
+/// Which solvers are asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum SolverChoice {
+    /// All there are.
+    All,
+    /// These, in this order; at least one.
+    Named(Vec<SolverKind>),
+}
+
+impl SolverChoice {
+    /// The solvers, in order.
+    pub(crate) fn kinds(&self) -> Vec<SolverKind> {
+        match self {
+            Self::All => SolverKind::ALL.to_vec(),
+            Self::Named(kinds) => kinds.clone(),
+        }
+    }
+}
+
+impl Default for SolverChoice {
+    fn default() -> Self {
+        Self::Named(vec![SolverKind::default()])
+    }
+}
+
+impl fmt::Display for SolverChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::All => f.write_str(ALL),
+            Self::Named(kinds) => f.write_str(&names(kinds).join(",")),
+        }
+    }
+}
+
+impl FromStr for SolverChoice {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        if s == ALL {
+            return Ok(Self::All);
+        }
+        let mut kinds = Vec::new();
+        for name in s.split(',') {
+            let kind: SolverKind = name.parse().map_err(|error| format!("{error}, {ALL}"))?;
+            if kinds.contains(&kind) {
+                return Err(format!("'{name}' is named twice"));
+            }
+            kinds.push(kind);
+        }
+        Ok(Self::Named(kinds))
+    }
+}
+
+/// The names of solvers.
+pub(crate) fn names(kinds: &[SolverKind]) -> Vec<&'static str> {
+    kinds.iter().map(|kind| kind.name()).collect()
+}
+
+/// A threshold, or none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RingSwitch(
+    /// `None` for "off".
+    pub(crate) Option<f64>,
+);
+
+impl FromStr for RingSwitch {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        if s == OFF {
+            return Ok(Self(None));
+        }
+        s.parse().map(|threshold| Self(Some(threshold))).map_err(|_| format!("must be a number or '{OFF}', got '{s}'"))
+    }
+}
+
+/// An amount of memory, in bytes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MemorySize(
+    /// Bytes; not zero.
+    pub(crate) u64,
+);
+
+impl FromStr for MemorySize {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        const UNITS: [(char, f64); 4] = [('k', 1e3), ('m', 1e6), ('g', 1e9), ('t', 1e12)];
+        let unit = s.chars().last().map(|c| c.to_ascii_lowercase());
+        let scale = UNITS.into_iter().find(|&(letter, _)| unit == Some(letter));
+        let (number, scale) = scale.map_or((s, 1.0), |(_, scale)| (&s[..s.len() - 1], scale));
+        let bytes = number.parse::<f64>().ok().map(|number| number * scale);
+        let bytes = bytes.filter(|&bytes| bytes >= 1.0 && bytes.is_finite());
+        bytes.map(|bytes| Self(bytes as u64)).ok_or_else(|| format!("must be an amount such as 500M or 4G, got '{s}'"))
+    }
+}
+
+/// A parser that takes exactly these names and lists them when it gets another.
+pub(super) fn one_of<T, const N: usize>(names: [&'static str; N]) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr + Clone + Send + Sync + 'static,
+    T::Err: Into<Box<dyn std::error::Error + Send + Sync>> + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<T>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solvers_read_back_and_unknown_or_repeated_ones_are_refused() {
+        for text in ["all", "linabf", "uzawa,abf++"] {
+            assert_eq!(text.parse::<SolverChoice>().expect("solvers").to_string(), text);
+        }
+        assert!("slim".parse::<SolverChoice>().unwrap_err().ends_with("lscm, all"));
+        assert_eq!("lscm,lscm".parse::<SolverChoice>(), Err("'lscm' is named twice".into()));
+        assert!("".parse::<SolverChoice>().is_err());
+    }
+
+    #[test]
+    fn amounts_of_memory_have_units() {
+        for (text, bytes) in
+            [("4G", 4_000_000_000), ("1.5m", 1_500_000), ("20k", 20_000), ("7", 7), ("1T", 1_000_000_000_000)]
+        {
+            assert_eq!(text.parse(), Ok(MemorySize(bytes)), "{text}");
+        }
+        for text in ["", "G", "0", "-1G", "4GB", "nan", "inf", "4µ"] {
+            assert!(text.parse::<MemorySize>().unwrap_err().contains("such as 500M"), "{text}");
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! The command line as it is typed.
+
+mod charts;
+mod method;
+
+use abf::SolverKind;
+use abf_shapes::Shape;
+pub(crate) use charts::{ChartArgs, SeamsFrom};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Parser, Subcommand, value_parser};
+use method::MOST_THREADS;
+pub(crate) use method::{MethodArgs, SolverChoice, names};
+use std::path::PathBuf;
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  finished as asked and valid: no flipped and no collapsed triangle, no vertex wound around twice
+  1  finished, but not converged, or not valid, or cancelled
+  2  unusable input or usage, or a file that cannot be written
+Of several meshes or solvers the worst counts; a reader of stdout that goes away is no error. A map that overlaps itself is said to, and does not change the code.";
+
+/// The names of the commands besides flattening.
+pub(crate) const COMMANDS: [&str; 4] = ["compare", "survey", "metrics", "fixtures"];
+
+const COMPARE: &str = "\
+Every file is written anew after every mesh, so that stopping half-way keeps what is done.
+The solver's options are those of flattening; each applies to the solvers it concerns.
+
+Exit codes:
+  0  every mesh compared
+  1  cancelled
+  2  a mesh that cannot be used, a file that cannot be written, unusable usage";
+
+const SURVEY: &str = "\
+Every finished mesh is appended to FILE.partial, and FILE is written whole at the end or after Ctrl-C. With
+--resume, meshes in either are not done again if name, size, time of change and settings agree.
+
+Exit codes:
+  0  every mesh has a valid map
+  1  some have not, or were refused, or it was cancelled; what is done is written
+  2  no mesh at all, a file that cannot be written, unusable usage";
+
+/// Flatten triangle meshes and say how good, how valid and how fast it was.
+#[derive(Debug, Parser)]
+#[command(version, args_conflicts_with_subcommands = true, allow_negative_numbers = true, after_help = EXIT_CODES)]
+pub(crate) struct Args {
+    /// Something else than flattening.
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+    /// How to flatten.
+    #[command(flatten)]
+    pub(crate) flatten: FlattenArgs,
+}
+
+impl Args {
+    /// How many threads to use, if that was said.
+    pub(crate) fn threads(&self) -> Option<u16> {
+        match &self.command {
+            None => self.flatten.method.threads,
+            Some(Command::Compare(args)) => args.method.threads,
+            Some(Command::Survey(args)) => args.method.threads,
+            Some(Command::Metrics(_) | Command::Fixtures(_)) => None,
+        }
+    }
+}
+
+/// What there is to do besides flattening.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Flatten many meshes with many solvers, several times each, and write tables
+    #[command(after_help = COMPARE)]
+    Compare(Box<CompareArgs>),
+    /// Flatten every mesh of a folder with one solver, several at a time, and count how it went
+    #[command(after_help = SURVEY)]
+    Survey(Box<SurveyArgs>),
+    /// Judge the UVs that files already have
+    #[command(
+        after_help = "Exit codes:\n  0  all valid\n  1  a file that is not valid: flipped or collapsed triangles, vertices wound around twice\n  2  unusable input"
+    )]
+    Metrics(MetricsArgs),
+    /// Write the fixture meshes, or one shape of any size
+    Fixtures(FixturesArgs),
+}
+
+/// The arguments of flattening.
+#[derive(Debug, clap::Args)]
+pub(crate) struct FlattenArgs {
+    /// The meshes: obj, off, ply, stl, gltf or glb. None: the built-in face of 20 000 triangles
+    #[arg(value_name = "MESH")]
+    pub(crate) meshes: Vec<PathBuf>,
+    /// The method: auto (linabf, abf-fixed-target, barrier, descent in turn, until a result is proved valid), linabf, abf,
+    /// abf++, abf-newton, abf-fixed-target, uzawa, minres, barrier, descent or lscm; several with commas, or all, are compared
+    #[arg(long, value_name = "NAME|all", default_value_t)]
+    pub(crate) solver: SolverChoice,
+    /// Its settings.
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+    /// How it becomes charts.
+    #[command(flatten)]
+    pub(crate) charts: ChartArgs,
+    /// Write the mesh with its UVs: obj, ply, glb or gltf; an obj or glTF input is kept as it was but for them
+    #[arg(short, long, value_name = "FILE", help_heading = "Outputs")]
+    pub(crate) output: Option<PathBuf>,
+    /// Write the results as JSON; with - to stdout, and the table goes to stderr
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
+    pub(crate) json: Option<PathBuf>,
+    /// Write every outer and inner iteration as JSON, for plotting; with - to stdout
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
+    pub(crate) history: Option<PathBuf>,
+    /// Draw the checkered surface next to its layout
+    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    pub(crate) png: Option<PathBuf>,
+    /// Draw the layout in millimetres (one per unit of the mesh), outline and edges in layers of their own
+    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    pub(crate) svg: Option<PathBuf>,
+}
+
+/// The arguments of `compare`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct CompareArgs {
+    /// Meshes, and folders: every obj, off, ply and stl below them
+    #[arg(value_name = "DIR|MESH", required = true)]
+    pub(crate) meshes: Vec<PathBuf>,
+    /// The methods: names with commas, or all
+    #[arg(long, value_name = "NAMES|all", default_value_t = SolverChoice::All)]
+    pub(crate) solver: SolverChoice,
+    /// Their settings.
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+    /// Runs that are not measured, before those that are
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) warmup: usize,
+    /// Runs whose median, least and greatest times are shown
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = at_least_one)]
+    pub(crate) repeats: usize,
+    /// Show what changed since the JSON of an earlier comparison
+    #[arg(long, value_name = "FILE")]
+    pub(crate) baseline: Option<PathBuf>,
+    /// Write the results as JSON; with - to stdout at the end, and the tables go to stderr
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
+    pub(crate) json: Option<PathBuf>,
+    /// Write the results as a Markdown table; with - to stdout at the end
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
+    pub(crate) markdown: Option<PathBuf>,
+    /// Write the results as comma-separated values; with - to stdout at the end
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Write a page with pictures, curves and tables: one HTML file that needs nothing else
+    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    pub(crate) report: Option<PathBuf>,
+}
+
+/// The arguments of `survey`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct SurveyArgs {
+    /// Folders: every obj, off, ply, stl, gltf and glb below them; and meshes
+    #[arg(value_name = "DIR|MESH", required = true)]
+    pub(crate) meshes: Vec<PathBuf>,
+    /// Leave out the folders inside the folders
+    #[arg(long)]
+    pub(crate) flat: bool,
+    /// The method
+    #[arg(long, value_name = "NAME", default_value_t)]
+    pub(crate) solver: SolverKind,
+    /// Its settings.
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+    /// Refuse meshes that are no disks, instead of making charts of them
+    #[arg(long)]
+    pub(crate) disks_only: bool,
+    /// How many meshes at a time; the results are the same for any number [default: one per core]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=MOST_THREADS))]
+    pub(crate) jobs: Option<u16>,
+    /// Go on with the results that are in --json FILE, and in FILE.partial
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Write the results as JSON; with - to stdout, and the tables go to stderr
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
+    pub(crate) json: Option<PathBuf>,
+}
+
+/// The arguments of `metrics`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct MetricsArgs {
+    /// Files with UVs: obj, off, ply, gltf or glb
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<PathBuf>,
+    /// Write the results as JSON; with - to stdout, and the table goes to stderr
+    #[arg(long, value_name = "FILE|-")]
+    pub(crate) json: Option<PathBuf>,
+}
+
+/// The arguments of `fixtures`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct FixturesArgs {
+    /// Where to write all fixtures, NAME.obj each
+    #[arg(value_name = "DIR", required_unless_present = "shape", conflicts_with = "shape")]
+    pub(crate) dir: Option<PathBuf>,
+    /// Write this shape only
+    #[arg(long, value_name = "NAME", requires = "output", value_parser = shapes())]
+    pub(crate) shape: Option<Shape>,
+    /// About how many triangles the shape gets
+    #[arg(long, value_name = "N", default_value_t = 20_000, requires = "shape")]
+    pub(crate) triangles: usize,
+    /// Where to write the shape: obj or ply
+    #[arg(short, long, value_name = "FILE", requires = "shape")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+fn shapes() -> impl TypedValueParser<Value = Shape> {
+    let value = |shape: Shape| PossibleValue::new(shape.name()).help(shape.description());
+    PossibleValuesParser::new(Shape::ALL.map(value)).try_map(|name| name.parse::<Shape>())
+}
+
+fn at_least_one(s: &str) -> Result<usize, String> {
+    s.parse().ok().filter(|&n| n > 0).ok_or_else(|| format!("must be a whole number, at least 1, got '{s}'"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn the_defaults_in_the_help_are_those_of_the_library() {
+        let help = Args::command().render_long_help().to_string();
+        let (stop, estimate) = (abf::StopCriteria::default(), abf::EstimateSettings::default());
+        let iterative = abf::IterativeSettings::default();
+        for text in [
+            format!("{:e}", stop.tolerance),
+            stop.max_iterations.to_string(),
+            estimate.angle_bound.to_string(),
+            estimate.ring_switch.expect("on").to_string(),
+            abf::Passes::default().to_string(),
+            abf::LineSearch::default().to_string(),
+            iterative.reduction.to_string(),
+            iterative.preconditioner.to_string(),
+            iterative.max_inner_iterations.to_string(),
+            abf::Descent::default().barrier_floor.to_string(),
+            abf::Unwrap::default().max_stretch.to_string(),
+            abf::Atlas::default().resolution.to_string(),
+            abf::Atlas::default().margin.to_string(),
+        ] {
+            assert!(help.contains(&format!("[default: {text}]")), "{text}: {help}");
+        }
+    }
+
+    #[test]
+    fn the_help_names_every_solver() {
+        let mut command = Args::command();
+        let argument = command.get_arguments().find(|argument| argument.get_id() == "solver").expect("--solver");
+        let help = argument.get_help().expect("help").to_string();
+        let words: Vec<&str> = help.split([' ', ',', ';', '\n']).collect();
+        assert!(names(&SolverKind::ALL).iter().all(|name| words.contains(name)), "{help}");
+        command.build();
+    }
+}

@@ -1,0 +1,110 @@
+//! What was meant by charts: the options, checked.
+
+use super::args::{ChartArgs, SeamsFrom};
+use super::targets::check_extension;
+use super::usage::usage;
+use abf::{Atlas, AtlasPages, SeamRule, Unwrap};
+use abf_mesh::io::MeshFormat;
+use clap::error::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// How meshes become charts, and charts an atlas.
+#[derive(Clone, Debug)]
+pub(crate) struct Charting {
+    pub(crate) unwrap: Unwrap,
+    pub(crate) atlas: Atlas,
+    pub(crate) seams: SeamsFrom,
+    /// Whether disks are made charts, too.
+    pub(crate) is_asked: bool,
+    /// Whether there are no charts at all.
+    pub(crate) disks_only: bool,
+    /// Where the seams go.
+    pub(crate) seam_lines: Option<PathBuf>,
+    /// Where the remap of vertices goes.
+    pub(crate) remap: Option<PathBuf>,
+    /// Whether texture coordinates may be replaced.
+    pub(crate) overwrite: bool,
+    /// Whether the output is a glTF, which stores 32 bits.
+    pub(crate) to_gltf: bool,
+}
+
+impl Charting {
+    /// Checks the options.
+    ///
+    /// # Errors
+    /// A usage error that names the option and its range.
+    pub(crate) fn new(args: ChartArgs, inputs: &[PathBuf], output: Option<&Path>) -> Result<Self, clap::Error> {
+        let is_asked = args.is_asked();
+        let (unwrap, atlas) = (Unwrap::default(), Atlas::default());
+        let wrong = |message: String| Err(usage(ErrorKind::ValueValidation, message));
+        let is_gltf = |path: &Path| MeshFormat::from_path(path).is_some_and(MeshFormat::is_gltf);
+        let to_gltf = output.is_some_and(is_gltf);
+        if args.disks_only && to_gltf {
+            let message = "a glTF takes an atlas: leave out --disks-only, or write an obj or ply";
+            return Err(usage(ErrorKind::ArgumentConflict, message));
+        }
+        for (option, is_given) in [("--remap", args.remap.is_some()), ("--overwrite", args.overwrite)] {
+            if is_given && !(to_gltf && inputs.iter().any(|input| is_gltf(input))) {
+                let message =
+                    format!("{option} concerns a glTF that is read and written as one: name it, and -o FILE.glb");
+                return Err(usage(ErrorKind::ArgumentConflict, message));
+            }
+        }
+        if args.disks_only && is_asked {
+            let message = "--disks-only makes no charts: leave out the options of charts, or it";
+            return Err(usage(ErrorKind::ArgumentConflict, message));
+        }
+        if let Some(stretch) = args.max_stretch.filter(|s| !(*s >= 1.0)) {
+            return wrong(format!("--max-stretch must be at least 1, got {stretch}"));
+        }
+        if let Some(length) = args.max_seam.filter(|l| !(*l >= 0.0)) {
+            return wrong(format!("--max-seam must be at least 0, got {length}"));
+        }
+        let resolution = args.resolution.unwrap_or(atlas.resolution);
+        if !(1..=Atlas::MAX_RESOLUTION).contains(&resolution) {
+            return wrong(format!("--resolution must be in 1..={}, got {resolution}", Atlas::MAX_RESOLUTION));
+        }
+        let margin = args.margin.unwrap_or(atlas.margin.min(resolution / 4));
+        if margin > resolution / 4 {
+            return wrong(format!("--margin must be at most a quarter of --resolution {resolution}, got {margin}"));
+        }
+        for (option, path, extension) in [("--seam-lines", &args.seam_lines, "obj"), ("--remap", &args.remap, "json")] {
+            if let Some(path) = path {
+                check_extension(option, path, &[extension])?;
+            }
+        }
+        // Pages per material make sense only where charts end at their borders.
+        let by_material = args.atlas == Some(AtlasPages::PerMaterial);
+        let seams = args.seams.unwrap_or(if by_material { SeamsFrom::File } else { SeamsFrom::Auto });
+        let rule = if seams == SeamsFrom::Auto { SeamRule::Auto } else { SeamRule::Keep };
+        Ok(Self {
+            unwrap: Unwrap {
+                seams: rule,
+                holes: args.holes.unwrap_or(unwrap.holes),
+                max_stretch: args.max_stretch.unwrap_or(unwrap.max_stretch),
+                max_seam: args.max_seam,
+                cut_disks: args.cut_disks,
+                strict: args.strict,
+                ..unwrap
+            },
+            atlas: Atlas { pages: args.atlas.unwrap_or(atlas.pages), resolution, margin },
+            seams,
+            is_asked,
+            disks_only: args.disks_only,
+            seam_lines: args.seam_lines,
+            remap: args.remap,
+            overwrite: args.overwrite,
+            to_gltf,
+        })
+    }
+
+    /// How to make charts, if any are to be made.
+    pub(crate) fn if_allowed(&self) -> Option<&Self> {
+        (!self.disks_only).then_some(self)
+    }
+
+    /// Whether this mesh is made charts even if it is a disk: textures want UVs in the unit square.
+    pub(crate) fn is_for(&self, is_gltf: bool) -> bool {
+        self.is_asked || self.to_gltf || is_gltf
+    }
+}

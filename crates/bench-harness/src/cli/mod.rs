@@ -1,0 +1,8 @@
+//! The command line: what was typed, and what was meant.
+
+pub(crate) mod args;
+pub(crate) mod charts;
+pub(crate) mod methods;
+pub(crate) mod mistyped;
+pub(crate) mod targets;
+pub(crate) mod usage;

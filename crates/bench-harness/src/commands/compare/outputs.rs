@@ -1,0 +1,77 @@
+//! What a comparison shows and writes.
+
+use super::one::Compared;
+use super::page::Report;
+use super::settings::Comparison;
+use crate::cli::targets::JsonTarget;
+use crate::record::failure::Failure;
+use crate::record::{Record, to_json};
+use crate::show::{console, files, table};
+
+/// Everything that is finished, and where it goes.
+#[derive(Debug)]
+pub(super) struct Outputs<'a> {
+    comparison: &'a Comparison,
+    records: Vec<Record>,
+    report: Option<Report>,
+}
+
+impl<'a> Outputs<'a> {
+    /// Outputs without results.
+    pub(super) fn new(comparison: &'a Comparison) -> Self {
+        Self { comparison, records: Vec::new(), report: comparison.report.clone().map(Report::new) }
+    }
+
+    /// Shows the table of a mesh and writes every file anew with all that is finished.
+    ///
+    /// # Errors
+    /// When something cannot be written; going on would be work for nothing.
+    pub(super) fn add(&mut self, mesh: &Compared) -> Result<(), Failure> {
+        let records: Vec<Record> = mesh.runs.iter().map(|run| run.record.clone()).collect();
+        let gap = if self.records.is_empty() { "" } else { "\n" };
+        self.show(&format!("{gap}{}", table::of_repeats(&records)))?;
+        self.records.extend(records);
+        if let Some(report) = &mut self.report {
+            report.add(&mesh.name, mesh.loaded.as_ref(), &mesh.runs);
+        }
+        self.write()
+    }
+
+    /// Prints what could not be printed before, and returns all records.
+    ///
+    /// # Errors
+    /// When stdout cannot be written.
+    pub(super) fn finish(self) -> Result<Vec<Record>, Failure> {
+        let is_stdout = |target: &Option<JsonTarget>| matches!(target, Some(JsonTarget::Stdout));
+        let (records, asked) = (&self.records, self.comparison);
+        if is_stdout(&asked.json) {
+            console::data(&to_json(records))?;
+        } else if is_stdout(&asked.markdown) {
+            console::data(&table::comparison_markdown(records))?;
+        } else if is_stdout(&asked.csv) {
+            console::data(&table::comparison_csv(records))?;
+        }
+        Ok(self.records)
+    }
+
+    /// On stdout, unless something for programs goes there.
+    fn show(&self, text: &str) -> Result<(), Failure> {
+        let asked = self.comparison;
+        if [&asked.json, &asked.markdown, &asked.csv].iter().any(|t| matches!(t, Some(JsonTarget::Stdout))) {
+            console::words(text);
+            return Ok(());
+        }
+        console::data(text)
+    }
+
+    fn write(&self) -> Result<(), Failure> {
+        let write = |target: &Option<JsonTarget>, text: fn(&[Record]) -> String| match target {
+            Some(JsonTarget::File(path)) => files::replace(path, text(&self.records).as_bytes()),
+            _ => Ok(()),
+        };
+        write(&self.comparison.json, to_json)?;
+        write(&self.comparison.markdown, table::comparison_markdown)?;
+        write(&self.comparison.csv, table::comparison_csv)?;
+        self.report.as_ref().map_or(Ok(()), Report::write)
+    }
+}

@@ -1,0 +1,96 @@
+//! The page of a comparison: one HTML file with pictures, curves and tables.
+
+use crate::record::failure::Failure;
+use crate::record::history::History;
+use crate::record::{Asked, Record};
+use crate::run::Flattened;
+use crate::run::load::Loaded;
+use crate::show::files;
+use crate::show::table;
+use abf_report::page::{MeshFragment, MeshSection, Run, assemble};
+use serde_json::Value;
+use std::path::PathBuf;
+use std::thread::available_parallelism;
+
+const TITLE: &str = "Comparison of flattenings";
+/// The solver of a row that no solver is to blame for.
+const NO_SOLVER: &str = "none";
+
+/// A page that grows mesh by mesh. Neither meshes nor layouts are kept.
+#[derive(Debug)]
+pub(super) struct Report {
+    path: PathBuf,
+    machine: Vec<(String, String)>,
+    meshes: Vec<MeshFragment>,
+}
+
+impl Report {
+    /// A page without meshes.
+    pub(super) fn new(path: PathBuf) -> Self {
+        Self { path, machine: machine(), meshes: Vec::new() }
+    }
+
+    /// Adds a mesh with its results; a mesh that could not be read has none.
+    pub(super) fn add(&mut self, name: &str, loaded: Option<&Loaded>, runs: &[Flattened]) {
+        let runs = runs.iter().map(row).collect();
+        let section = MeshSection { name, mesh: loaded.map(|loaded| &loaded.mesh), runs };
+        self.meshes.push(MeshFragment::render(&section));
+    }
+
+    /// Writes the page with what there is.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub(super) fn write(&self) -> Result<(), Failure> {
+        files::replace(&self.path, assemble(TITLE, &self.machine, &self.meshes).as_bytes())
+    }
+}
+
+fn row(flattened: &Flattened) -> Run<'_> {
+    let Flattened { record, uv, history, .. } = flattened;
+    Run {
+        solver: record.solver.unwrap_or(NO_SOLVER),
+        settings: record.run.as_ref().map(|run| settings(&run.settings)).unwrap_or_default(),
+        uv: uv.as_ref(),
+        columns: table::page_cells(record),
+        failure: failure(record),
+        outer: history.as_ref().map(History::outer).unwrap_or_default(),
+        inner: history.as_ref().map(History::inner).unwrap_or_default(),
+    }
+}
+
+/// Why there is no result. A solver that was left out has not failed.
+fn failure(record: &Record) -> Option<String> {
+    record.error.as_ref().map(|failure| format!("{}: {}", failure.message, failure.hint))
+}
+
+/// The settings that concern the solver, under their names in the JSON.
+fn settings(asked: &Asked) -> Vec<(String, String)> {
+    let Ok(Value::Object(fields)) = serde_json::to_value(asked) else { return Vec::new() };
+    let shown = |(name, value): (String, Value)| match value {
+        Value::Null => None,
+        Value::String(text) => Some((name, text)),
+        other => Some((name, other.to_string())),
+    };
+    fields.into_iter().filter_map(shown).collect()
+}
+
+/// What the runs are made on.
+fn machine() -> Vec<(String, String)> {
+    let cores = available_parallelism().map_or_else(|_| "unknown".to_owned(), |cores| cores.to_string());
+    let mut lines = vec![
+        ("program".to_owned(), concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")).to_owned()),
+        ("system".to_owned(), format!("{} on {}", std::env::consts::OS, std::env::consts::ARCH)),
+        ("cores".to_owned(), cores),
+        ("threads".to_owned(), rayon::current_num_threads().to_string()),
+    ];
+    lines.extend(processor().map(|name| ("processor".to_owned(), name)));
+    lines
+}
+
+/// The name of the processor, where the system tells it in a file.
+fn processor() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}

@@ -1,0 +1,74 @@
+//! What was meant by a comparison: the arguments, checked before any file is read.
+
+use super::repeat::Runs;
+use crate::cli::args::CompareArgs;
+use crate::cli::methods::{Method, methods};
+use crate::cli::targets::{JsonTarget, check_distinct, check_one_stdout};
+use crate::cli::usage::usage;
+use clap::error::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// Everything a comparison needs to know.
+#[derive(Debug)]
+pub(crate) struct Comparison {
+    /// Meshes and folders of meshes.
+    pub(super) meshes: Vec<PathBuf>,
+    /// How to flatten each; at least one.
+    pub(super) methods: Vec<Method>,
+    /// How often.
+    pub(super) runs: Runs,
+    /// An earlier comparison.
+    pub(super) baseline: Option<PathBuf>,
+    /// Where the JSON goes.
+    pub(super) json: Option<JsonTarget>,
+    /// Where the Markdown goes.
+    pub(super) markdown: Option<JsonTarget>,
+    /// Where the comma-separated values go.
+    pub(super) csv: Option<JsonTarget>,
+    /// Where the page goes.
+    pub(super) report: Option<PathBuf>,
+}
+
+impl Comparison {
+    /// The files that will be written.
+    pub(super) fn files(&self) -> [Option<&Path>; 4] {
+        let [json, markdown, csv] =
+            [&self.json, &self.markdown, &self.csv].map(|target| target.as_ref().and_then(JsonTarget::file));
+        [json, markdown, csv, self.report.as_deref()]
+    }
+
+    /// Checks the arguments.
+    ///
+    /// # Errors
+    /// A usage error: a setting out of range, an output that would replace an input or another
+    /// output.
+    pub(crate) fn new(args: CompareArgs) -> Result<Self, clap::Error> {
+        let methods = methods(&args.solver, &args.method)?;
+        let [json, markdown, csv] = [args.json, args.markdown, args.csv].map(JsonTarget::new);
+        let texts = [("--json", json.as_ref()), ("--markdown", markdown.as_ref()), ("--csv", csv.as_ref())];
+        check_one_stdout(&texts)?;
+        if args.report.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+            return Err(usage(ErrorKind::ValueValidation, "--report -: a page needs a file of its own".to_owned()));
+        }
+        let [json_file, markdown_file, csv_file] = texts.map(|(_, target)| target.and_then(JsonTarget::file));
+        let targets = [
+            ("--json", json_file),
+            ("--markdown", markdown_file),
+            ("--csv", csv_file),
+            ("--report", args.report.as_deref()),
+        ];
+        // A baseline that is replaced row by row would be lost when the comparison is stopped.
+        let inputs: Vec<PathBuf> = args.meshes.iter().chain(&args.baseline).cloned().collect();
+        check_distinct(&targets, &inputs)?;
+        Ok(Self {
+            meshes: args.meshes,
+            methods,
+            runs: Runs { warmup: args.warmup, repeats: args.repeats, with_curves: args.report.is_some() },
+            baseline: args.baseline,
+            json,
+            markdown,
+            csv,
+            report: args.report,
+        })
+    }
+}

@@ -1,0 +1,86 @@
+//! Files, judged by the UVs they have.
+
+use crate::cli::args::MetricsArgs;
+use crate::cli::targets::JsonTarget;
+use crate::record::failure::Failure;
+use crate::record::{Outcome, Quality, Record, Size, Stages, Timings, to_json};
+use crate::run::memory::HeapWatch;
+use crate::show::advice;
+use crate::show::console;
+use crate::show::files;
+use crate::show::show;
+use crate::show::table;
+use abf::{Metrics, MetricsError, Precision};
+use abf_mesh::io::MeshFormat;
+use abf_mesh::{Topology, TriMesh, UvMap, io};
+use std::path::Path;
+use std::time::Instant;
+
+/// Judges every file asked for.
+pub(crate) fn judge_all(args: &MetricsArgs) -> Outcome {
+    let json = JsonTarget::new(args.json.clone());
+    if let Err(failure) = files::check([json.as_ref().and_then(JsonTarget::file)]) {
+        console::failure(&failure);
+        return Outcome::Failed;
+    }
+    let records: Vec<Record> = args.files.iter().map(|file| judge(file)).collect();
+    let worst = records.iter().map(Record::outcome).max().unwrap_or(Outcome::AsAsked);
+    match show(&table::of_meshes(&records), || to_json(&records), json.as_ref()) {
+        Ok(()) => worst,
+        Err(failure) => {
+            console::failure(&failure);
+            Outcome::Failed
+        }
+    }
+}
+
+/// Reads and judges one file. Whatever goes wrong is in the record and on stderr.
+fn judge(path: &Path) -> Record {
+    let mut record = Record { mesh: path.display().to_string(), ..Record::default() };
+    if let Err(failure) = fill(path, &mut record) {
+        console::failure(&failure);
+        record.error = Some(failure);
+    }
+    record
+}
+
+/// Fills the record as far as it gets.
+fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
+    let heap = HeapWatch::start();
+    let begin = Instant::now();
+    let file = io::read(path).map_err(|error| Failure::read(&error))?;
+    let read = begin.elapsed().as_secs_f64();
+    record.notes = file.notes.sentences();
+    record.notes.iter().for_each(|note| console::note(&record.mesh, note));
+    // UVs can be judged on any set of faces, manifold or not.
+    let topology = Topology::build(file.mesh.vertex_count(), file.mesh.faces()).ok();
+    record.size = Some(Size::of(&file.mesh, topology.as_ref()));
+    let built = begin.elapsed().as_secs_f64();
+
+    let uv = file.uv.ok_or_else(|| Failure::no_uv(&record.mesh, file.notes.uv_dropped))?;
+    let metrics = measured(&file.mesh, uv, MeshFormat::from_path(path), file.notes.uv_single);
+    record.quality = Some(Quality::new(metrics.map_err(|error| Failure::metrics(&record.mesh, &error))?));
+    record.overlap = advice::overlap(record);
+    if let Some(overlap) = &record.overlap {
+        console::note(&record.mesh, overlap);
+    }
+    let total = begin.elapsed().as_secs_f64();
+    let stages = Stages { topology: built - read, ..Stages::default() };
+    let timings = Timings { read, stages, metrics: total - built, total, ..Timings::default() };
+    record.timings_s = Some(timings);
+    record.peak_memory_bytes = Some(heap.peak_bytes());
+    Ok(())
+}
+
+/// The figures of the UVs as the file stores them.
+fn measured(mesh: &TriMesh, uv: UvMap, format: Option<MeshFormat>, is_single: bool) -> Result<Metrics, MetricsError> {
+    let uv = match format {
+        // It stores 1 − v, which has been turned back without rounding.
+        Some(format) if format.is_gltf() => uv,
+        _ if !is_single => return abf_metrics::measure(mesh, &uv),
+        // Binary files hold them rounded; the digits of a text may say more than it stores.
+        _ => uv.mapped(|p| p.map(|x| Precision::Single.round(x))),
+    };
+    let certificate = abf_metrics::certify_stored(mesh, &uv, Precision::Single)?;
+    abf_metrics::measure_certified(mesh, &uv, certificate)
+}

@@ -1,0 +1,7 @@
+//! What the program does, command by command.
+
+pub(crate) mod compare;
+pub(crate) mod fixtures;
+pub(crate) mod flatten;
+pub(crate) mod metrics;
+pub(crate) mod survey;

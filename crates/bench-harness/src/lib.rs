@@ -1,0 +1,61 @@
+//! Flatten triangle meshes from the command line, compare the results and judge any UVs.
+//!
+//! One program with two names, `abf` and `bench-harness`. Its rooms, each of which uses only those before it:
+//!
+//! * [`record`]: everything that is known about one mesh and one solver, and its JSON;
+//! * [`cli`]: what was typed, and what was meant by it;
+//! * [`show`]: tables, advice and files;
+//! * [`run`]: reading meshes, flattening them, and watching that;
+//! * [`commands`]: flatten, `compare`, `survey`, `metrics` and `fixtures`.
+//!
+//! Only this crate prints and reads the clock.
+
+mod cli;
+mod commands;
+mod record;
+mod run;
+mod show;
+
+use clap::Parser;
+use cli::args::{Args, Command};
+use commands::compare::{Comparison, compare};
+use commands::flatten::{Settings, flatten};
+use commands::survey::{Survey, survey};
+use commands::{fixtures, metrics};
+use record::Outcome;
+use record::failure::Failure;
+use show::console;
+use std::process::ExitCode;
+
+/// Does what the command line asks for. Returns the program's exit code; a usage error ends the program with code 2.
+pub fn main() -> ExitCode {
+    ExitCode::from(run_command().exit_code())
+}
+
+/// Does what was asked for.
+fn run_command() -> Outcome {
+    let args = Args::parse();
+    // First of all: to check settings is parallel work already.
+    if let Err(failure) = start_threads(args.threads()) {
+        console::failure(&failure);
+        return Outcome::Failed;
+    }
+    // A usage error says what is wrong and leaves with code 2.
+    match args.command {
+        None => flatten(&Settings::new(args.flatten).unwrap_or_else(|error| error.exit())),
+        Some(Command::Compare(args)) => compare(&Comparison::new(*args).unwrap_or_else(|error| error.exit())),
+        Some(Command::Survey(args)) => survey(&Survey::new(*args).unwrap_or_else(|error| error.exit())),
+        Some(Command::Metrics(args)) => metrics::judge_all(&args),
+        Some(Command::Fixtures(args)) => fixtures::write(args),
+    }
+}
+
+/// Starts the threads that all parallel work uses; without a number that is one per core.
+///
+/// # Errors
+/// When the system has no room for that many.
+fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let Some(threads) = threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+    pool.build_global().map_err(|error| Failure::threads(threads, &error))
+}

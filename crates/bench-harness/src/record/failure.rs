@@ -1,0 +1,236 @@
+//! From errors to sentences: what is wrong, where, how many, and what to try next.
+
+use super::hints;
+use super::number::megabytes;
+use abf::{AtlasError, FlattenError, MetricsError, UnwrapError};
+use abf_mesh::io::{ReadError, UvDropped, WriteError};
+use abf_report::PictureError;
+use serde::Serialize;
+use std::error::Error;
+use std::io;
+use std::path::Path;
+
+/// The kind of a failure that is none.
+const CANCELLED: &str = "cancelled";
+
+/// Why there is no result, or no file.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Failure {
+    /// A word for programs; it stays the same when the message is reworded.
+    pub(crate) kind: &'static str,
+    /// What is wrong, where, and how many times.
+    pub(crate) message: String,
+    /// What to try next.
+    pub(crate) hint: String,
+}
+
+impl Failure {
+    fn new((kind, hint): (&'static str, &str), message: String) -> Self {
+        Self { kind, message, hint: hint.to_owned() }
+    }
+
+    /// A file that cannot be read.
+    pub(crate) fn read(error: &ReadError) -> Self {
+        Self::new(hints::read(error), chain(error))
+    }
+
+    /// A file that would take more memory than is allowed.
+    pub(crate) fn file_memory(file: &str, predicted: u64, limit: u64) -> Self {
+        let [predicted, limit] =
+            [predicted, limit].map(|bytes| megabytes(usize::try_from(bytes).unwrap_or(usize::MAX)));
+        let message = format!("{file}: to read it would take about {predicted} MB, and the limit is {limit} MB");
+        Self::new(hints::FILE_MEMORY, message)
+    }
+
+    /// A mesh that cannot be flattened. `fanned` says whether polygons were cut, which is what its
+    /// triangles are counted after.
+    pub(crate) fn flatten(mesh: &str, error: &FlattenError, fanned: bool) -> Self {
+        Self::new(hints::flatten(error), format!("{mesh}: {}", counted(chain(error), fanned)))
+    }
+
+    /// A mesh that cannot be made charts.
+    pub(crate) fn unwrap(mesh: &str, error: &UnwrapError, fanned: bool) -> Self {
+        Self::new(hints::unwrap(error), format!("{mesh}: {}", counted(chain(error), fanned)))
+    }
+
+    /// Charts that cannot be packed.
+    pub(crate) fn atlas(mesh: &str, error: &AtlasError) -> Self {
+        Self::new(hints::atlas(error), format!("{mesh}: {}", chain(error)))
+    }
+
+    /// A file without the seams that were to be kept.
+    pub(crate) fn no_seams(mesh: &str) -> Self {
+        let hint = "take --seams auto, or --seams file for the borders of groups and materials";
+        Self::new(("no-seams", hint), format!("{mesh}: it has no seams to keep"))
+    }
+
+    /// A picture of more than one page.
+    pub(crate) fn several_pages(path: &Path, pages: usize) -> Self {
+        let hint = "take --atlas one for a picture";
+        Self::new(("no-picture", hint), format!("{}: there are {pages} pages, and a picture shows one", path.display()))
+    }
+
+    /// A file that was changed while it was worked on.
+    pub(crate) fn changed(mesh: &str) -> Self {
+        let hint = "start again when nothing else writes it";
+        Self::new(("changed", hint), format!("{mesh}: the file was changed since it was read"))
+    }
+
+    /// UVs that cannot be judged.
+    pub(crate) fn metrics(mesh: &str, error: &MetricsError) -> Self {
+        Self::new(hints::metrics(error), format!("{mesh}: {}", counted(chain(error), false)))
+    }
+
+    /// A file without UVs where there should be some.
+    pub(crate) fn no_uv(mesh: &str, dropped: Option<UvDropped>) -> Self {
+        let why = dropped.map_or_else(String::new, |why| format!(" that can be used: {why}"));
+        let hint = "flatten it first with -o out.obj, then judge out.obj";
+        Self::new(("no-uv", hint), format!("{mesh}: there are no UVs{why}"))
+    }
+
+    /// A mesh that cannot be written.
+    pub(crate) fn write(path: &Path, error: &WriteError) -> Self {
+        let file = path.display().to_string();
+        match error {
+            WriteError::Io { cause, .. } => Self::unwritable(&file, cause),
+            _ => {
+                let message = chain(error);
+                let message = if message.contains(&file) { message } else { format!("{file}: {message}") };
+                Self::new(hints::write(error), message)
+            }
+        }
+    }
+
+    /// A file or stream that cannot be written.
+    pub(crate) fn unwritable(target: &str, error: &io::Error) -> Self {
+        // The name of a temporary file says nothing to someone who never asked for one.
+        let text = error.to_string();
+        let said = text.split(" at path ").next().unwrap_or(&text);
+        Self::new(
+            ("unwritable", hints::unwritable(Path::new(target), error)),
+            format!("{target}: cannot be written: {said}"),
+        )
+    }
+
+    /// A folder or file that is no mesh and cannot be read.
+    pub(crate) fn unreadable(path: &Path, error: &io::Error) -> Self {
+        Self::new(hints::cannot_open(error), format!("{}: cannot be read: {error}", path.display()))
+    }
+
+    /// A folder without meshes.
+    pub(crate) fn no_meshes(folder: &Path) -> Self {
+        let hint = "name a folder with obj, off, ply, stl, gltf or glb files in it or below it";
+        Self::new(("no-meshes", hint), format!("{}: there is no mesh below it", folder.display()))
+    }
+
+    /// A file that is not the JSON of a comparison.
+    pub(crate) fn no_baseline(path: &Path, why: &str) -> Self {
+        let hint = "name a file that compare --json has written";
+        Self::new(("no-baseline", hint), format!("{}: no earlier comparison: {why}", path.display()))
+    }
+
+    /// A file that is not what a survey writes.
+    pub(crate) fn no_survey(path: &Path, why: &str) -> Self {
+        let hint = "name a file that survey --json has written, or leave out --resume";
+        Self::new(("no-survey", hint), format!("{}: no earlier survey: {why}", path.display()))
+    }
+
+    /// A survey that was broken off, and would be lost.
+    pub(crate) fn unfinished_survey(log: &Path) -> Self {
+        let hint = "go on with it with --resume, or delete that file to begin anew";
+        Self::new(("unfinished-survey", hint), format!("{}: a survey was broken off here", log.display()))
+    }
+
+    /// A survey that was made in another way than is asked for now.
+    pub(crate) fn other_settings(path: &Path, what: &str, before: &str, now: &str) -> Self {
+        let hint = "go on with the settings it was made with, or name another --json for this one";
+        let message = format!("{}: made with {what} {before}, and asked for is {now}", path.display());
+        Self::new(("other-settings", hint), message)
+    }
+
+    /// A defect of this program.
+    pub(crate) fn panicked(mesh: &str) -> Self {
+        Self::new(("internal", hints::REPORT), format!("{mesh}: the program has failed on this mesh"))
+    }
+
+    /// A picture that cannot be drawn.
+    pub(crate) fn picture(path: &Path, error: &PictureError) -> Self {
+        let hint = "leave out --png or --svg; the mesh and the figures do not depend on it";
+        Self::new(("no-picture", hint), format!("{}: {}", path.display(), chain(error)))
+    }
+
+    /// Threads that the system does not give.
+    pub(crate) fn threads(count: u16, error: &dyn Error) -> Self {
+        let message = format!("{count} threads cannot be started: {}", chain(error));
+        Self::new(("threads", "ask for fewer --threads; the results are the same"), message)
+    }
+
+    /// A mesh that was not begun.
+    pub(crate) fn cancelled(mesh: &str) -> Self {
+        let hint = hints::flatten(&FlattenError::Cancelled).1;
+        Self::new((CANCELLED, hint), format!("{mesh}: {}", FlattenError::Cancelled))
+    }
+
+    /// Whether nothing is wrong but that the user stopped it.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.kind == CANCELLED
+    }
+}
+
+/// An error and its causes in one line; a cause that the line already tells is not told again.
+pub(crate) fn chain(error: &dyn Error) -> String {
+    let mut message = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        let text = error.to_string();
+        if !message.contains(&text) {
+            message = format!("{message}: {text}");
+        }
+        cause = error.source();
+    }
+    message
+}
+
+/// Says from where indices are counted, if the message has some and does not say it.
+fn counted(message: String, fanned: bool) -> String {
+    const INDEXED: [&str; 5] = ["face ", "faces ", "vertex ", "vertices ", "corner "];
+    let has_index = |word: &str| {
+        message.match_indices(word).any(|(at, _)| message[at + word.len()..].starts_with(|c: char| c.is_ascii_digit()))
+    };
+    if message.contains("counted from") || !INDEXED.iter().any(|word| has_index(word)) {
+        return message;
+    }
+    let after = if fanned { ", faces after polygons are cut into triangles" } else { "" };
+    match message.strip_suffix(" in all)") {
+        Some(message) => format!("{message} in all; counted from 0{after})"),
+        None => format!("{message} (counted from 0{after})"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abf_mesh::{DiskError, FaceId, TopologyError, VertexId};
+
+    #[test]
+    fn causes_are_told_once() {
+        let cause = abf::solve_core::LinearError::NoSolution { relative_residual: 0.5 };
+        let error = FlattenError::Solve { solver: "linabf", source: cause.into() };
+        let text = chain(&error);
+        assert_eq!(text.matches("linear solve failed").count(), 1, "{text}");
+        assert!(text.starts_with("the solver 'linabf' found no angles: the linear system"), "{text}");
+    }
+
+    #[test]
+    fn indices_are_said_to_count_from_zero_once() {
+        let error = TopologyError::NonManifoldVertex { vertex: VertexId::new(3), fans: 2, count: 1 };
+        let text = Failure::flatten("a.obj", &error.into(), true).message;
+        assert!(text.starts_with("a.obj: the faces at vertex 3 form 2"), "{text}");
+        assert!(text.ends_with(" in all; counted from 0, faces after polygons are cut into triangles)"), "{text}");
+        let error = DiskError::SeveralComponents { count: 2, first_of_second: FaceId::new(9) };
+        let text = Failure::flatten("a.obj", &error.into(), false).message;
+        assert_eq!(text.matches("counted from 0").count(), 1, "{text}");
+        let text = Failure::flatten("a.obj", &DiskError::NoBoundary { genus: 1 }.into(), false).message;
+        assert!(!text.contains("counted"), "{text}");
+    }
+}

@@ -1,0 +1,113 @@
+//! Everything about one mesh and one solver.
+
+use super::atlas::Atlas;
+use super::change::Change;
+use super::failure::Failure;
+use super::not_run::NotRun;
+use super::outcome::{Outcome, result_word};
+use super::quality::Quality;
+use super::run::Run;
+use super::size::{Kkt, Size};
+use super::times::{Repeats, Timings};
+use serde::Serialize;
+
+/// Everything there is to say about one mesh and one solver.
+///
+/// Parts that do not apply are absent from the JSON: a judged file has no solver, a mesh that
+/// failed has what was known before. Numbers that are not finite are `null`.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(crate) struct Record {
+    /// The file.
+    pub(crate) mesh: String,
+    /// How large the mesh is.
+    #[serde(flatten)]
+    pub(crate) size: Option<Size>,
+    /// The solver's name; none where no solver is to blame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) solver: Option<&'static str>,
+    /// What the solver and the layout did.
+    #[serde(flatten)]
+    pub(crate) run: Option<Run>,
+    /// The charts, where the mesh was cut into some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) atlas: Option<Atlas>,
+    /// How valid and how distorted the UVs are.
+    #[serde(flatten)]
+    pub(crate) quality: Option<Quality>,
+    /// How large the KKT matrix is in either wheel form.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) kkt: Option<Kkt>,
+    /// What reading did beyond copying.
+    pub(crate) notes: Vec<String>,
+    /// What to try next.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) hint: Option<String>,
+    /// What is said of overlaps; the figures are in the JSON anyway.
+    #[serde(skip)]
+    pub(crate) overlap: Option<String>,
+    /// What is said of the rungs of `auto`, likewise.
+    #[serde(skip)]
+    pub(crate) climb: Option<String>,
+    /// What is said of the precision of doubles, likewise.
+    #[serde(skip)]
+    pub(crate) precision: Option<String>,
+    /// Where the time went.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) timings_s: Option<Timings>,
+    /// How far the times of several runs are apart.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) repeats: Option<Repeats>,
+    /// See [`crate::run::memory`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) peak_memory_bytes: Option<usize>,
+    /// What was expected of it, see [`abf::predict_memory`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) predicted_memory_bytes: Option<u64>,
+    /// What changed since an earlier comparison.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) baseline: Option<Change>,
+    /// The files that were written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) written: Vec<String>,
+    /// Why the solver was left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) not_run: Option<NotRun>,
+    /// Why there is no result, or why it is not written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) error: Option<Failure>,
+}
+
+impl Record {
+    /// How it went. A solver that was left out did nothing wrong.
+    pub(crate) fn outcome(&self) -> Outcome {
+        let as_asked = self.termination().is_none_or(abf::Termination::is_as_asked);
+        let valid = self.quality.as_ref().is_some_and(|quality| quality.valid) || self.not_run.is_some();
+        match &self.error {
+            Some(failure) if !failure.is_cancelled() => Outcome::Failed,
+            None if as_asked && valid => Outcome::AsAsked,
+            _ => Outcome::NotAsAsked,
+        }
+    }
+
+    /// One word, or two, on how it went.
+    pub(crate) fn result_word(&self) -> String {
+        if let Some(not_run) = &self.not_run {
+            return format!("not run: {}", not_run.kind);
+        }
+        let valid = self.quality.as_ref().is_some_and(|quality| quality.valid);
+        let termination = self.termination().map(|end| end.to_string());
+        result_word(self.error.as_ref().map(|failure| failure.kind), termination.as_deref(), valid)
+    }
+
+    /// How the solver ended; of several charts, on the first that did not go as asked.
+    pub(crate) fn termination(&self) -> Option<abf::Termination> {
+        let of_charts = || self.atlas.as_ref().and_then(Atlas::termination);
+        self.run.as_ref().map(|run| run.termination).or_else(of_charts)
+    }
+
+    /// Whether the user stopped it.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.termination() == Some(abf::Termination::Cancelled)
+            || self.error.as_ref().is_some_and(Failure::is_cancelled)
+    }
+}

@@ -1,0 +1,92 @@
+//! A mesh made into charts and an atlas.
+
+use crate::cli::args::SeamsFrom;
+use crate::cli::charts::Charting;
+use crate::record::failure::Failure;
+use crate::record::number::count;
+use crate::record::{Atlas as AtlasRecord, Charted};
+use crate::run::load::Loaded;
+use abf::cut::RepairReport;
+use abf::{AtlasPages, Observer, Packed, Pipeline, Precision, Stored, SurfaceHints, Unwrap, Unwrapped};
+use abf_mesh::io::stored_uv;
+use std::time::Instant;
+
+/// Charts in an atlas, and what there is to say of them.
+#[derive(Debug)]
+pub(crate) struct Charts {
+    pub(crate) packed: Packed,
+    pub(crate) record: AtlasRecord,
+    /// The ends of every edge that is a seam.
+    pub(crate) seams: Vec<[abf_mesh::VertexId; 2]>,
+    /// How long it took to make them, without the packing, seconds.
+    pub(crate) charts_s: f64,
+}
+
+/// Makes charts and an atlas of a mesh.
+///
+/// # Errors
+/// Why there are none.
+pub(crate) fn charts(
+    charting: &Charting,
+    loaded: &Loaded,
+    pipeline: &Pipeline,
+    observer: &mut (dyn Observer + Send),
+) -> Result<Charts, Failure> {
+    let begin = Instant::now();
+    let mesh = &loaded.mesh;
+    let known = loaded.known_of_faces(charting.seams == SeamsFrom::File)?;
+    let keeps = charting.seams != SeamsFrom::Auto;
+    let hints = SurfaceHints {
+        uv: loaded.uv.as_ref().filter(|_| keeps),
+        face_labels: known.labels.as_deref().filter(|_| keeps),
+        forbidden: known.forbidden.as_deref(),
+    };
+    // Without materials the packing has more to say.
+    let says_more = charting.atlas.pages == AtlasPages::PerMaterial;
+    if keeps && !says_more && hints.uv.is_none() && hints.face_labels.is_none() {
+        return Err(Failure::no_seams(&loaded.name));
+    }
+    let unwrap = Unwrap { pipeline: Pipeline { normalize: false, ..*pipeline }, ..charting.unwrap };
+    let unwrapped = unwrap.run(mesh, &hints, observer).map_err(|e| Failure::unwrap(&loaded.name, &e, loaded.fanned))?;
+    let charts_s = begin.elapsed().as_secs_f64();
+    let stored: (Stored, Precision) = match (charting.to_gltf, pipeline.precision) {
+        (true, _) => (stored_uv, Precision::Single),
+        (false, Precision::Single) => (|p| p.map(|x| Precision::Single.round(x)), Precision::Single),
+        (false, Precision::Double) => (|p| p, Precision::Double),
+    };
+    let packed = charting.atlas.pack(mesh, &unwrapped, known.materials.as_deref(), stored);
+    let packed = packed.map_err(|error| Failure::atlas(&loaded.name, &error))?;
+    let record = record(charting, &unwrapped, &packed);
+    Ok(Charts { packed, record, seams: unwrapped.seams, charts_s })
+}
+
+fn record(charting: &Charting, unwrapped: &Unwrapped, packed: &Packed) -> AtlasRecord {
+    let repairs: &RepairReport = &unwrapped.repairs;
+    let mut said = repairs.sentences();
+    if unwrapped.without_area > 0 {
+        let faces = count(unwrapped.without_area, "face", "faces");
+        said.push(format!("{faces} of components without any area put into one point"));
+    }
+    if !unwrapped.turned.is_empty() || !unwrapped.followers.is_empty() {
+        let (turned, dropped) = (unwrapped.turned.len(), unwrapped.followers.len().div_ceil(3));
+        said.push(format!(
+            "faces are written with the corners of the file, and judged as repaired: `metrics` of the output counts {} \
+             that were turned around, and {} that were dropped, as they stand there",
+            count(turned, "face", "faces"),
+            count(dropped, "face", "faces")
+        ));
+    }
+    AtlasRecord {
+        charts: unwrapped.charts.iter().zip(&packed.placements).map(|(chart, at)| Charted::new(chart, at)).collect(),
+        pages: packed.pages,
+        resolution: charting.atlas.resolution,
+        margin: charting.atlas.margin,
+        texels_per_unit: packed.texels_per_unit,
+        coverage: packed.coverage,
+        seam_edges: unwrapped.seams.len(),
+        seam_length: unwrapped.seam_length,
+        diagonal: unwrapped.diagonal,
+        max_stretch: charting.unwrap.max_stretch,
+        repairs: said,
+    }
+}

@@ -1,0 +1,229 @@
+//! One mesh, flattened by one solver and judged.
+
+pub(crate) mod cancel;
+pub(crate) mod charts;
+pub(crate) mod load;
+pub(crate) mod memory;
+pub(crate) mod meshes;
+pub(crate) mod progress;
+pub(crate) mod source;
+
+use crate::cli::charts::Charting;
+use crate::cli::methods::Method;
+use crate::record::failure::Failure;
+use crate::record::history::History;
+use crate::record::kinds::finds_angles;
+use crate::record::{Kkt, Quality, Record, Run, Size, Stages, Timings};
+use crate::run::cancel::Cancel;
+use crate::run::charts::{Charts, charts};
+use crate::run::load::Loaded;
+use crate::run::progress::Progress;
+use crate::show::advice;
+use abf::constraints::ProblemError;
+use abf::{AngleSolution, FlattenError, Flattening, Termination};
+use abf_mesh::{Topology, TopologyError, TriMesh, UvMap, VertexId};
+use std::time::Instant;
+
+/// A result with what is not in its record.
+#[derive(Debug)]
+pub(crate) struct Flattened {
+    /// What is known about it.
+    pub(crate) record: Record,
+    /// The UVs, if there are any.
+    pub(crate) uv: Option<UvMap>,
+    /// The edges it was cut along, if it was.
+    pub(crate) seams: Vec<[VertexId; 2]>,
+    /// Every iteration, if there was a solver.
+    pub(crate) history: Option<History>,
+    /// Whether no other solver can do better, because the mesh itself cannot be flattened.
+    pub(crate) mesh_is_unusable: bool,
+}
+
+impl From<Record> for Flattened {
+    fn from(record: Record) -> Self {
+        Self { record, uv: None, seams: Vec::new(), history: None, mesh_is_unusable: false }
+    }
+}
+
+/// The bits that runs of the same settings have in common.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Fingerprint {
+    uv: UvMap,
+    termination: Termination,
+}
+
+/// Flattens and judges a mesh. Whatever goes wrong is in the record. `with_curves` says whether inner
+/// iterations are collected; without `charting` only disks are flattened.
+pub(crate) fn flatten(
+    loaded: &Loaded,
+    method: &Method,
+    charting: Option<&Charting>,
+    with_curves: bool,
+    cancel: &Cancel,
+) -> Flattened {
+    let solver = method.pipeline.solver.name();
+    let mut record = Record { solver: Some(solver), ..loaded.record() };
+    if let Some(not_run) = method.not_run(&loaded.mesh) {
+        return Record { not_run: Some(not_run), ..record }.into();
+    }
+    let (triangles, vertices) = (loaded.mesh.face_count(), loaded.mesh.vertex_count());
+    record.predicted_memory_bytes = Some(abf::predict_memory(&method.pipeline, triangles, vertices));
+    if cancel.is_asked() {
+        return Record { error: Some(Failure::cancelled(&loaded.name)), ..record }.into();
+    }
+    let heap = loaded.watch_memory();
+    let begin = Instant::now();
+    if let Some(charting) = charting.filter(|charting| charting.is_for(loaded.is_gltf())) {
+        return in_charts(loaded, method, charting, cancel, record);
+    }
+    let mut progress = watch(loaded, method, cancel).with_curves(with_curves);
+    let mesh = &loaded.mesh;
+    // Inside the pool once, and not anew for every loop that is shared out.
+    let flat = match (rayon::scope(|_| method.pipeline.run(mesh, &mut progress)), charting) {
+        (Ok(flat), _) => flat,
+        (Err(error), Some(charting)) if is_no_disk(&error) => {
+            return in_charts(loaded, method, charting, cancel, record);
+        }
+        (Err(error), _) => return refused(loaded, record, &error),
+    };
+    progress.end_stages();
+    // What was flattened is a disk.
+    let (interior_vertices, boundary_loops) = (Some(flat.interior_vertices), Some(1));
+    record.size = Some(Size { interior_vertices, boundary_loops, ..Size::of(&loaded.mesh, None) });
+    record.run = Some(Run::new(&method.pipeline, &flat, &progress.rungs()));
+
+    progress.say("metrics");
+    let judging = Instant::now();
+    // Both formats hold doubles exactly, so these are the UVs as written.
+    match flat.metrics(&loaded.mesh) {
+        Ok(metrics) => record.quality = Some(Quality::new(metrics)),
+        Err(error) => record.error = Some(Failure::metrics(&loaded.name, &error)),
+    }
+    let metrics = judging.elapsed().as_secs_f64();
+    let total = loaded.read_s + begin.elapsed().as_secs_f64();
+    record.timings_s = Some(Timings {
+        read: loaded.read_s,
+        stages: progress.stages(),
+        charts: 0.0,
+        atlas: 0.0,
+        certificate: progress.certificate(),
+        metrics,
+        write: 0.0,
+        total,
+    });
+    record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
+    record.kkt = finds_angles(method.pipeline.solver).then(|| Kkt::new(flat.kkt));
+    record.hint = advice::next_to_try(&record);
+    record.overlap = advice::overlap(&record);
+    record.climb = advice::climb(&record);
+    record.precision = advice::precision(&record);
+    let iterations = flat.solution.as_ref().map_or(&[][..], AngleSolution::history);
+    // The curves are those of the last rung, which may not be the one whose result this is.
+    let is_last = flat.rungs.last().is_none_or(|rung| rung.solver == flat.solver);
+    let curves = if is_last { progress.take_curves() } else { Vec::new() };
+    let history = History::new(&loaded.name, solver, iterations, curves);
+    Flattened { record, uv: Some(flat.uv), seams: Vec::new(), history: Some(history), mesh_is_unusable: false }
+}
+
+/// Whether cutting may help.
+fn is_no_disk(error: &FlattenError) -> bool {
+    matches!(
+        error,
+        FlattenError::NotADisk(_)
+            | FlattenError::Problem(ProblemError::NotADisk(_))
+            | FlattenError::Topology(
+                TopologyError::RepeatedVertex { .. }
+                    | TopologyError::NonManifoldEdge { .. }
+                    | TopologyError::NonManifoldVertex { .. }
+                    | TopologyError::InconsistentOrientation { .. }
+                    | TopologyError::NonOrientable { .. }
+            )
+    )
+}
+
+/// Makes charts and an atlas of a mesh.
+fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Cancel, mut record: Record) -> Flattened {
+    let heap = loaded.watch_memory();
+    let begin = Instant::now();
+    let mut progress = watch(loaded, method, cancel);
+    let made = rayon::scope(|_| charts(charting, loaded, &method.pipeline, &mut progress));
+    progress.end_stages();
+    let Charts { packed, record: atlas, seams, charts_s } = match made {
+        Ok(charts) => charts,
+        Err(failure) => {
+            let mesh_is_unusable = ["no-faces", "beyond-repair", "not-clean", "not-finite"].contains(&failure.kind);
+            let record = Record { size: Some(Size::of(&loaded.mesh, None)), error: Some(failure), ..record };
+            return Flattened { mesh_is_unusable, ..record.into() };
+        }
+    };
+    let elapsed = begin.elapsed().as_secs_f64();
+    record.size = Some(Size::of(&loaded.mesh, None));
+    record.notes.extend(atlas.repairs.iter().cloned());
+    record.atlas = Some(atlas);
+    record.quality = Some(Quality::new(packed.metrics));
+    record.timings_s = Some(Timings {
+        read: loaded.read_s,
+        stages: Stages { flatten: charts_s, ..Stages::default() },
+        charts: charts_s,
+        atlas: elapsed - charts_s,
+        total: loaded.read_s + elapsed,
+        ..Timings::default()
+    });
+    record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
+    record.overlap = advice::overlap(&record);
+    record.hint = advice::next_for_charts(&record);
+    Flattened { uv: Some(packed.uv), seams, ..record.into() }
+}
+
+/// Flattens a mesh that has been flattened before, for the time it takes.
+///
+/// # Errors
+/// That there is no result.
+pub(crate) fn flatten_again(
+    loaded: &Loaded,
+    method: &Method,
+    cancel: &Cancel,
+) -> Result<(Fingerprint, Stages), Failure> {
+    let mut progress = watch(loaded, method, cancel);
+    let mesh = &loaded.mesh;
+    let flat = rayon::scope(|_| method.pipeline.run(mesh, &mut progress));
+    progress.end_stages();
+    match flat {
+        Ok(Flattening { uv, termination, .. }) => Ok((Fingerprint { uv, termination }, progress.stages())),
+        Err(error) => Err(Failure::flatten(&loaded.name, &error, loaded.fanned)),
+    }
+}
+
+impl Flattened {
+    /// What another run should have in common with this one; `None` where there are no UVs.
+    pub(crate) fn is_the_same_as(&self, other: &Fingerprint) -> bool {
+        let ended = self.record.termination();
+        self.uv.as_ref() == Some(&other.uv) && ended == Some(other.termination)
+    }
+}
+
+fn watch<'a>(loaded: &Loaded, method: &Method, cancel: &'a Cancel) -> Progress<'a> {
+    Progress::new(&format!("{}, {}", loaded.name, method.pipeline.solver), cancel)
+}
+
+/// The record of a mesh that was not flattened.
+fn refused(loaded: &Loaded, record: Record, error: &FlattenError) -> Flattened {
+    let mesh_is_unusable = matches!(
+        error,
+        FlattenError::Geometry(_) | FlattenError::Topology(_) | FlattenError::NotADisk(_) | FlattenError::Problem(_)
+    );
+    let failure = Failure::flatten(&loaded.name, error, loaded.fanned);
+    let size = Some(size_of_refused(&loaded.mesh, error));
+    let solver = record.solver.filter(|_| !mesh_is_unusable);
+    let record = Record { size, solver, error: Some(failure), ..record };
+    Flattened { mesh_is_unusable, ..record.into() }
+}
+
+/// The size of a mesh that could not be flattened, with its topology if that was not the reason.
+fn size_of_refused(mesh: &TriMesh, error: &FlattenError) -> Size {
+    let topology = match error {
+        FlattenError::Topology(_) | FlattenError::Cancelled => None,
+        _ => Topology::build(mesh.vertex_count(), mesh.faces()).ok(),
+    };
+    Size::of(mesh, topology.as_ref())
+}

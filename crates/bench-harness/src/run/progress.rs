@@ -1,0 +1,224 @@
+//! Progress on the terminal, the clock of every stage, the curves of inner solves, and the ear for
+//! Ctrl-C.
+
+use crate::record::Stages;
+use crate::record::history::Curves;
+use crate::run::cancel::Cancel;
+use abf::{Event, Observer, Stage, Verdict};
+use cpu_time::ProcessTime;
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{self, IsTerminal};
+use std::sync::LazyLock;
+use std::sync::mpsc::{self, Sender};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Work shorter than this shows no progress.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// How often the line is drawn anew.
+const TICK: Duration = Duration::from_millis(100);
+
+/// The lines of all meshes that are worked on: a survey has several.
+static LINES: LazyLock<MultiProgress> = LazyLock::new(MultiProgress::new);
+
+/// The observer of one mesh.
+pub(crate) struct Progress<'a> {
+    cancel: &'a Cancel,
+    line: Option<Line>,
+    /// When each stage began.
+    starts: Vec<(Stage, Instant)>,
+    /// When each rung of a ladder began.
+    rungs: Vec<Instant>,
+    /// When the last stage ended.
+    end: Option<Instant>,
+    /// What the processors did between the beginning of the first stage and the end of the layout.
+    cpu: Cpu,
+    /// The inner curves, if they are wanted.
+    curves: Option<Curves>,
+}
+
+impl<'a> Progress<'a> {
+    /// Starts watching work of that name.
+    pub(crate) fn new(name: &str, cancel: &'a Cancel) -> Self {
+        let line = io::stderr().is_terminal().then(|| Line::new(name));
+        Self { cancel, line, starts: Vec::new(), rungs: Vec::new(), end: None, cpu: Cpu::default(), curves: None }
+    }
+
+    /// Collects the curves of inner solves, if `wanted`.
+    pub(crate) fn with_curves(self, wanted: bool) -> Self {
+        Self { curves: wanted.then(Curves::default), ..self }
+    }
+
+    /// One curve for every outer iteration; none if they were not wanted.
+    pub(crate) fn take_curves(&mut self) -> Vec<Vec<f64>> {
+        self.curves.take().map(Curves::into_done).unwrap_or_default()
+    }
+
+    /// Says what is being done outside the stages that the library reports.
+    pub(crate) fn say(&self, what: impl Into<String>) {
+        if let Some(line) = &self.line {
+            line.bar.set_message(what.into());
+        }
+    }
+
+    /// The last stage is over.
+    pub(crate) fn end_stages(&mut self) {
+        self.end = Some(Instant::now());
+        self.cpu.stop();
+    }
+
+    /// How long the stages took.
+    pub(crate) fn stages(&self) -> Stages {
+        let [topology, solve, layout] = [Stage::Topology, Stage::Solve, Stage::Layout].map(|s| self.seconds(s));
+        Stages { topology, solve, layout, flatten: topology + solve + layout, flatten_cpu: Some(self.cpu.seconds) }
+    }
+
+    /// How long the certificate took, in seconds.
+    pub(crate) fn certificate(&self) -> f64 {
+        self.seconds(Stage::Certificate)
+    }
+
+    /// How long each rung of a ladder took, in seconds.
+    pub(crate) fn rungs(&self) -> Vec<f64> {
+        let ends = self.rungs.iter().skip(1).copied().chain([self.end()]);
+        self.rungs.iter().zip(ends).map(|(start, end)| end.duration_since(*start).as_secs_f64()).collect()
+    }
+
+    /// How long a stage took, in seconds, every time it came; 0 if there was none.
+    fn seconds(&self, stage: Stage) -> f64 {
+        let ends = self.starts.iter().skip(1).map(|&(_, start)| start).chain([self.end()]);
+        let of_this = self.starts.iter().zip(ends).filter(|((s, _), _)| *s == stage);
+        of_this.map(|((_, start), end)| end.duration_since(*start).as_secs_f64()).sum()
+    }
+
+    fn end(&self) -> Instant {
+        self.end.unwrap_or_else(Instant::now)
+    }
+}
+
+/// Processor time, from the first stage to the one after the layout.
+#[derive(Default)]
+struct Cpu {
+    running: Option<ProcessTime>,
+    seconds: f64,
+}
+
+impl Cpu {
+    fn stage(&mut self, stage: Stage) {
+        match stage {
+            Stage::Topology | Stage::Solve | Stage::Layout => {
+                self.running.get_or_insert_with(ProcessTime::now);
+            }
+            _ => self.stop(),
+        }
+    }
+
+    fn stop(&mut self) {
+        if let Some(begin) = self.running.take() {
+            self.seconds += begin.elapsed().as_secs_f64();
+        }
+    }
+}
+
+impl Observer for Progress<'_> {
+    fn observe(&mut self, event: Event<'_>) -> Verdict {
+        match event {
+            Event::StageStarted(stage) => {
+                self.cpu.stage(stage);
+                self.starts.push((stage, Instant::now()));
+                self.say(match stage {
+                    Stage::Topology => "topology",
+                    Stage::Solve => "solving",
+                    Stage::Certificate => "certificate",
+                    _ => "layout",
+                });
+            }
+            Event::RungStarted(_) => {
+                self.rungs.push(Instant::now());
+                // The curves are those of the last solver.
+                self.curves = self.curves.take().map(|_| Curves::default());
+            }
+            Event::Inner { relative_residual, .. } => {
+                if let Some(curves) = &mut self.curves {
+                    curves.inner(relative_residual);
+                }
+            }
+            Event::Iteration(record) => {
+                if let Some(curves) = &mut self.curves {
+                    curves.outer();
+                }
+                self.say(format!("solving: {} done, residual {:.1e}", record.iteration, record.constraint_residual));
+            }
+            _ => {}
+        }
+        if self.cancel.is_asked() { Verdict::Cancel } else { Verdict::Continue }
+    }
+}
+
+/// One line on stderr that appears when the work turns out to be long and is gone when it ends.
+struct Line {
+    bar: ProgressBar,
+    /// Dropped when the work ends, which wakes the thread that waits to show the line.
+    _end: Sender<()>,
+}
+
+impl Line {
+    fn new(name: &str) -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+        let style = ProgressStyle::with_template("{spinner} {prefix}: {msg} ({elapsed})");
+        bar.set_style(style.expect("a template without unknown keys"));
+        bar.set_prefix(name.to_owned());
+        bar.set_message("reading");
+        let (end, ended) = mpsc::channel::<()>();
+        let shown = bar.clone();
+        thread::spawn(move || {
+            if ended.recv_timeout(PATIENCE) == Err(mpsc::RecvTimeoutError::Timeout) {
+                LINES.add(shown).enable_steady_tick(TICK);
+            }
+        });
+        Self { bar, _end: end }
+    }
+}
+
+impl Drop for Line {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_are_timed_from_their_start_to_the_start_of_the_next() {
+        let cancel = Cancel::default();
+        let mut progress = Progress::new("a mesh", &cancel);
+        for stage in [Stage::Topology, Stage::Solve] {
+            assert_eq!(progress.observe(Event::StageStarted(stage)), Verdict::Continue);
+            thread::sleep(Duration::from_millis(5));
+        }
+        progress.end_stages();
+        thread::sleep(Duration::from_millis(5));
+        let whole = progress.end.expect("ended").duration_since(progress.starts[0].1).as_secs_f64();
+        let stages = progress.stages();
+        assert!((whole - stages.flatten).abs() < 1e-9);
+        assert!(stages.solve >= 0.005);
+        assert_eq!(stages.layout, 0.0);
+    }
+
+    #[test]
+    fn inner_curves_are_cut_at_outer_iterations() {
+        let cancel = Cancel::default();
+        let mut progress = Progress::new("a mesh", &cancel).with_curves(true);
+        let record = abf::IterationRecord::default();
+        for estimates in [&[0.5, 0.1][..], &[f64::NAN], &[0.2]] {
+            for &relative_residual in estimates {
+                progress.observe(Event::Inner { iteration: 1, inner: 1, relative_residual });
+            }
+            progress.observe(Event::Iteration(&record));
+        }
+        assert_eq!(progress.take_curves(), [vec![0.5, 0.1], vec![], vec![0.2]]);
+        assert!(progress.take_curves().is_empty());
+    }
+}

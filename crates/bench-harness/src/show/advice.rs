@@ -1,0 +1,282 @@
+//! What to try next when a result is not what was hoped for.
+
+use crate::record::number::{count, significant};
+use crate::record::{Asked, Outcome, Record, Run, Rung};
+use abf::{Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, Termination};
+
+/// The threshold that the paper recommends (§4.2), rad.
+const USUAL_RING_SWITCH: f64 = 1.0;
+/// A threshold that helps where the usual one does not, rad.
+const EAGER_RING_SWITCH: f64 = 0.5;
+/// More suggestions would be a manual.
+const SUGGESTIONS: usize = 2;
+
+/// What went wrong in a few words, and options that have not been tried yet; `None` where nothing
+/// went wrong, or where the error says it.
+pub(crate) fn next_to_try(record: &Record) -> Option<String> {
+    let (run, quality, solver) = (record.run.as_ref()?, record.quality.as_ref()?, record.solver?);
+    if record.outcome() == Outcome::AsAsked {
+        return stretched(record);
+    }
+    let metrics = quality.metrics();
+    let mut what = Vec::new();
+    if !run.termination.is_as_asked() {
+        what.push(ending(run));
+        what.extend(inner_shortfall(run));
+    }
+    if !quality.valid {
+        what.push(format!("{} flipped and {} collapsed triangles", metrics.flips, metrics.collapsed));
+        if metrics.wound > 0 {
+            what.push(count(metrics.wound, "vertex wound around twice", "vertices wound around twice"));
+        }
+    }
+    if what.is_empty() {
+        // As asked and valid, but a file could not be written.
+        return None;
+    }
+    let mut tries = tries(solver, run);
+    tries.truncate(SUGGESTIONS);
+    let what = what.join(", ");
+    Some(if tries.is_empty() { what } else { format!("{what}: try {}", tries.join(", or ")) })
+}
+
+/// What there is to say about a result that is not as asked: what happened, and what to try.
+pub(crate) fn remark(record: &Record) -> Option<String> {
+    let error = record.error.as_ref().map(|failure| format!("{}: {}", failure.message, failure.hint));
+    let differing = record.repeats.is_some_and(|repeats| !repeats.identical);
+    let differing = differing.then(|| "its repeats differ".to_owned());
+    let not_run = record.not_run.as_ref().map(|not_run| format!("not run: {}", not_run.message));
+    let parts: Vec<String> = [
+        error,
+        not_run,
+        record.hint.clone(),
+        record.climb.clone(),
+        record.precision.clone(),
+        record.overlap.clone(),
+        differing,
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    (!parts.is_empty()).then(|| parts.join("; "))
+}
+
+/// Where the UVs lie over themselves; `None` where they do not.
+pub(crate) fn overlap(record: &Record) -> Option<String> {
+    let metrics = record.quality.as_ref()?.metrics();
+    if metrics.overlaps() == 0 {
+        return None;
+    }
+    let places = count(metrics.overlaps(), "place", "places");
+    let example = metrics.overlapping_faces.first().map(|[a, b]| format!(", for example triangles {a} and {b}"));
+    let counted = if example.is_some() { " (counted from 0)" } else { "" };
+    Some(format!("the UVs overlap themselves at {places} of their boundary{}{counted}", example.unwrap_or_default()))
+}
+
+/// What the rungs of `auto` came to; `None` where the first was enough.
+pub(crate) fn climb(record: &Record) -> Option<String> {
+    let run = record.run.as_ref().filter(|run| run.rungs.len() > 1)?;
+    let rungs: Vec<String> = run.rungs.iter().map(rung).collect();
+    let end = if record.outcome() == Outcome::AsAsked { "" } else { "; none of them both converged and valid" };
+    Some(format!("{}{end}", rungs.join(", ")))
+}
+
+fn rung(rung: &Rung) -> String {
+    let Some(termination) = rung.termination else {
+        return format!("{} found nothing ({})", rung.solver, rung.error.as_deref().unwrap_or("no reason given"));
+    };
+    let steps = steps(rung.solver, rung.iterations);
+    let bad = [
+        (rung.flips, "flipped triangle", "flipped triangles"),
+        (rung.collapsed, "collapsed triangle", "collapsed triangles"),
+        (rung.wound, "vertex wound around twice", "vertices wound around twice"),
+    ];
+    let bad: Vec<String> = bad.into_iter().filter(|b| b.0 > 0).map(|(n, one, many)| count(n, one, many)).collect();
+    match (rung.valid, termination.is_as_asked()) {
+        (true, true) => format!("{} valid after {steps}", rung.solver),
+        (true, false) => format!("{} valid but {termination} after {steps}", rung.solver),
+        (false, true) => format!("{} left {} after {steps}", rung.solver, bad.join(" and ")),
+        (false, false) => format!("{} {termination} after {steps} with {}", rung.solver, bad.join(" and ")),
+    }
+}
+
+/// What to try next with charts that are not as asked.
+pub(crate) fn next_for_charts(record: &Record) -> Option<String> {
+    let atlas = record.atlas.as_ref()?;
+    let termination = atlas.termination()?;
+    if termination == Termination::TimeLimit {
+        return Some("give it a longer --time-limit: it is one for all charts".to_owned());
+    }
+    if atlas.charts.iter().any(|chart| !chart.valid) || record.quality.as_ref().is_some_and(|quality| !quality.valid) {
+        let hint =
+            "try --cut-disks, which cuts disks, too, where they stretch; an obj or ply holds doubles, a glTF does not";
+        return Some(hint.to_owned());
+    }
+    if !termination.is_as_asked() {
+        return Some("try more --max-iterations, or --cut-disks".to_owned());
+    }
+    stretched(record)
+}
+
+/// What to try with a map that is valid and of little use.
+fn stretched(record: &Record) -> Option<String> {
+    /// A texture that is stretched this much has one texel where it should have a hundred.
+    const OF_LITTLE_USE: f64 = 10.0;
+    let stretch = record.quality.as_ref()?.metrics().stretch_l2;
+    (stretch > OF_LITTLE_USE).then(|| {
+        let stretch = significant(stretch, 2);
+        format!("an L2 stretch of {stretch} is of little use: --cut-disks cuts the mesh where it stretches")
+    })
+}
+
+/// How near the UVs are to what doubles can hold; `None` where there is room to spare.
+pub(crate) fn precision(record: &Record) -> Option<String> {
+    /// Only the size of such a number matters.
+    const DIGITS: usize = 1;
+    let limits = record.run.as_ref()?.precision_limits.as_ref()?;
+    let mut parts = vec![format!(
+        "lengths shrink by up to {} times more in one place than in another",
+        significant(limits.spread, DIGITS)
+    )];
+    if limits.near_collapsed > 0 {
+        let triangles = count(limits.near_collapsed, "triangle is", "triangles are");
+        let named = faces(&limits.near_collapsed_faces, limits.near_collapsed);
+        parts.push(format!("{triangles} within the rounding of their coordinates ({named})"));
+    }
+    if limits.held_faces > 0 {
+        let triangles = count(limits.held_faces, "triangle was", "triangles were");
+        parts.push(format!("{triangles} held in place ({})", faces(&limits.first_held_faces, limits.held_faces)));
+    }
+    Some(format!("the UVs are near what double precision holds: {}", parts.join(", ")))
+}
+
+/// The first of so many faces, by number.
+fn faces(first: &[usize], count: usize) -> String {
+    let numbers: Vec<String> = first.iter().map(ToString::to_string).collect();
+    let more = if count > first.len() { ", …" } else { "" };
+    format!("{} {}{more}", if count == 1 { "face" } else { "faces" }, numbers.join(", "))
+}
+
+fn steps(solver: SolverKind, n: usize) -> String {
+    match solver {
+        SolverKind::LinAbf => count(n, "pass", "passes"),
+        SolverKind::Descent => count(n, "step", "steps"),
+        _ => count(n, "iteration", "iterations"),
+    }
+}
+
+/// How the solver ended, in words.
+pub(crate) fn ending(run: &Run) -> String {
+    let steps = steps(run.solved_by, run.iterations);
+    // The refinement of a direct solve is no iteration anyone asked for, and has no estimate.
+    let steps = match run.inner_estimate {
+        Some(_) => format!("{steps} ({} inner)", run.inner_iterations),
+        None => steps,
+    };
+    match run.termination {
+        Termination::OnePass if run.iterations == 0 => "one linear solve, as asked".to_owned(),
+        Termination::OnePass => format!("{steps}, as asked"),
+        Termination::MaxIterations => format!("not converged after {steps}"),
+        Termination::TimeLimit => format!("out of time after {steps}"),
+        Termination::Stalled => format!("not converged: stalled after {steps}"),
+        other => format!("{other} after {steps}"),
+    }
+}
+
+/// Inner solves that broke off.
+fn inner_shortfall(run: &Run) -> Option<String> {
+    let worst = run.inner_residual_worst.filter(|_| run.inner_unconverged > 0)?;
+    let solves = count(run.inner_unconverged, "inner solve", "inner solves");
+    Some(format!("{solves} short of the tolerance (relative residual {} at worst)", significant(worst, 2)))
+}
+
+/// Options that differ from what was asked, the most promising first.
+fn tries(solver: &str, run: &Run) -> Vec<String> {
+    let asked = &run.settings;
+    if solver == SolverKind::Lscm.name() {
+        return vec![format!("--solver {}", SolverKind::Auto)];
+    }
+    let has_inner_settings = asked.max_inner_iterations.is_some();
+    if has_inner_settings && run.inner_unconverged > 0 && !run.termination.is_as_asked() {
+        return stronger_inner_solve(asked);
+    }
+    let makes_exact_passes = asked.passes.is_some_and(|passes| passes != Passes::Auto);
+    match run.termination {
+        Termination::TimeLimit => vec!["a longer --time-limit".to_owned()],
+        Termination::MaxIterations if !makes_exact_passes => {
+            vec![format!("--max-iterations {}", 2 * asked.max_iterations)]
+        }
+        Termination::Cancelled => Vec::new(),
+        _ if run.solved_by == SolverKind::Descent || !run.rungs.is_empty() => vec![longer_seam()],
+        ending if asked.passes.is_some() => other_passes(asked, run.layout, ending),
+        ending => other_steps(solver, asked, ending),
+    }
+}
+
+/// For inner solves that broke off.
+fn stronger_inner_solve(asked: &Asked) -> Vec<String> {
+    let mut tries = Vec::new();
+    let best = (Some(Reduction::Triangles), Some(PreconditionerKind::Block));
+    if (asked.reduction, asked.preconditioner) != best {
+        tries.push(format!("--reduction {} --preconditioner {}", Reduction::Triangles, PreconditionerKind::Block));
+    }
+    tries
+        .extend(asked.max_inner_iterations.map(|limit| format!("--max-inner-iterations {}", limit.saturating_mul(10))));
+    tries
+}
+
+/// For the solver that makes passes.
+fn other_passes(asked: &Asked, used: Option<LayoutKind>, termination: Termination) -> Vec<String> {
+    let mut tries = Vec::new();
+    if asked.passes != Some(Passes::Auto) {
+        tries.push("--passes auto".to_owned());
+    }
+    match ring_switch(asked) {
+        Some(switch) if asked.ring_switch.is_none() => tries.insert(0, switch),
+        Some(switch) => tries.push(switch),
+        None => {}
+    }
+    if termination == Termination::Converged {
+        tries.push(longer_seam());
+    } else if asked.passes == Some(Passes::Auto)
+        && (Some(asked.layout) != used || used != Some(LayoutKind::LeastSquares))
+    {
+        tries.push(format!("--passes 3 --layout {}", LayoutKind::LeastSquares));
+    }
+    tries
+}
+
+/// For the solvers with a fixed target.
+fn other_steps(solver: &str, asked: &Asked, termination: Termination) -> Vec<String> {
+    if termination == Termination::Converged {
+        return ring_switch(asked).into_iter().chain([longer_seam()]).collect();
+    }
+    let mut tries = Vec::new();
+    if asked.line_search == Some(LineSearch::Full) {
+        tries.push(format!("--line-search {}", LineSearch::Merit));
+    }
+    if asked.hessian == Some(Hessian::Exact) {
+        tries.push(format!("--hessian {}", Hessian::GaussNewton));
+    }
+    tries.extend(ring_switch(asked));
+    if solver != SolverKind::AbfFixedTarget.name() {
+        tries.push(format!("--solver {}", SolverKind::AbfFixedTarget));
+    } else {
+        tries.push(format!("--solver {}", SolverKind::LinAbf));
+    }
+    tries
+}
+
+/// Another start of the rings, if there is one.
+fn ring_switch(asked: &Asked) -> Option<String> {
+    match asked.ring_switch {
+        None => Some(format!("--ring-switch {USUAL_RING_SWITCH}")),
+        Some(threshold) if threshold > EAGER_RING_SWITCH => Some(format!("--ring-switch {EAGER_RING_SWITCH}")),
+        Some(_) => None,
+    }
+}
+
+/// The angles are right, but their triangles differ in size by more than doubles can hold.
+fn longer_seam() -> String {
+    "a longer seam".to_owned()
+}

@@ -1,0 +1,261 @@
+//! One record for people, in full.
+
+use crate::record::number::{count, megabytes, seconds, significant};
+use crate::record::{Asked, Kkt, Quality, Record, Run, Size, Timings};
+use crate::show::advice::ending;
+use abf::{Metrics, Precision};
+use std::fmt::Write;
+
+/// How many digits errors and stretch are shown with.
+const DIGITS: usize = 4;
+/// How many digits residuals are shown with: their size matters, not their value.
+const RESIDUAL_DIGITS: usize = 2;
+
+/// Everything about one mesh, a line for each matter.
+pub(crate) fn in_full(record: &Record) -> String {
+    let mut lines: Vec<(&str, String)> = Vec::new();
+    if let Some(size) = &record.size {
+        lines.push(("size", size_line(size)));
+    }
+    if let (Some(run), Some(solver)) = (&record.run, record.solver) {
+        lines.extend(run_lines(solver, run));
+    }
+    if let (Some(atlas), Some(solver)) = (&record.atlas, record.solver) {
+        lines.extend(super::atlas::lines(solver, atlas));
+    }
+    if let Some(quality) = &record.quality {
+        lines.push(("valid", valid_line(quality)));
+        lines.push(("injective", injective_line(quality.metrics())));
+        if quality.metrics().charts > 1 && record.atlas.is_none() {
+            lines.push(("charts", quality.metrics().charts.to_string()));
+        }
+        lines.extend(distortion_lines(quality.metrics()));
+    }
+    lines.extend(record.kkt.map(|kkt| ("KKT matrix", kkt_line(kkt))));
+    if let Some(timings) = &record.timings_s {
+        lines.push(("time", time_line(timings)));
+    }
+    if let Some(bytes) = record.peak_memory_bytes {
+        lines.push(("memory", format!("{} MB at most", megabytes(bytes))));
+    }
+    lines.extend(record.written.iter().map(|path| ("written", path.clone())));
+    if let Some(failure) = &record.error {
+        lines.push(("error", failure.kind.to_owned()));
+    }
+    let mut out = format!("{}\n", record.mesh);
+    for (label, text) in lines {
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "  {label:<13}{text}");
+    }
+    out
+}
+
+pub(super) fn size_line(size: &Size) -> String {
+    let mut parts = vec![count(size.triangles, "triangle", "triangles"), count(size.vertices, "vertex", "vertices")];
+    if let Some(interior) = size.interior_vertices {
+        parts.push(format!("{interior} of them interior"));
+    }
+    if let Some(loops) = size.boundary_loops {
+        parts.push(count(loops, "boundary loop", "boundary loops"));
+    }
+    parts.join(", ")
+}
+
+/// What the solver was asked and what it did.
+fn run_lines(solver: &str, run: &Run) -> Vec<(&'static str, String)> {
+    let mut lines = vec![("solver", solver_line(solver, run))];
+    lines.extend(newton_line(&run.settings).map(|line| ("step", line)));
+    lines.extend(inner_settings_line(&run.settings).map(|line| ("inner solve", line)));
+    lines.push(("ended", ended_line(run)));
+    lines.extend(accuracy_line(run).map(|line| ("accuracy", line)));
+    lines.extend(curvature_line(run).map(|line| ("curvature", line)));
+    lines.push(("layout", layout_line(run)));
+    lines
+}
+
+fn solver_line(solver: &str, run: &Run) -> String {
+    let asked = &run.settings;
+    let mut parts = vec![solver.to_owned()];
+    if !run.rungs.is_empty() {
+        parts.push(format!("by {}", run.solved_by));
+    }
+    parts.extend(asked.passes.map(|passes| format!("passes {passes}")));
+    // A method without angles takes none of these.
+    if asked.keeps_constraints {
+        parts.push(match asked.ring_switch {
+            Some(threshold) => format!("ring switch {threshold} rad ({} switched)", run.switched_rings),
+            None => "ring switch off".to_owned(),
+        });
+        parts.push(format!("tolerance {:e} rad", asked.tolerance));
+    }
+    if asked.normalize {
+        parts.push("normalized".to_owned());
+    }
+    parts.join(", ")
+}
+
+fn newton_line(asked: &Asked) -> Option<String> {
+    Some(format!("{} wheel, {} Hessian, line search {}", asked.wheel?, asked.hessian?, asked.line_search?))
+}
+
+fn inner_settings_line(asked: &Asked) -> Option<String> {
+    Some(format!(
+        "reduction {}, preconditioner {}, tolerance {}, at most {} iterations",
+        asked.reduction?, asked.preconditioner?, asked.inner_tolerance?, asked.max_inner_iterations?
+    ))
+}
+
+/// How exactly the linear systems were solved.
+fn accuracy_line(run: &Run) -> Option<String> {
+    let figure = |x| significant(x, RESIDUAL_DIGITS);
+    let mut text = format!(
+        "relative residual of the linear solves {} at worst, {} at last",
+        figure(run.inner_residual_worst?),
+        figure(run.inner_residual?)
+    );
+    if let Some(estimate) = run.inner_estimate {
+        let _ = write!(text, " (estimated {})", figure(estimate));
+    }
+    if run.inner_unconverged > 0 {
+        let _ = write!(text, ", {} short of its tolerance", count(run.inner_unconverged, "solve", "solves"));
+    }
+    Some(text)
+}
+
+/// What the exact Hessian did; nothing where it is positive by construction.
+fn curvature_line(run: &Run) -> Option<String> {
+    let (negative, fallbacks) = (run.negative_curvature?, run.fallbacks?);
+    if run.settings.hessian != Some(abf::Hessian::Exact) {
+        return None;
+    }
+    let entries = match negative {
+        0 => "no entry of the Hessian negative".to_owned(),
+        n => format!("at most {} of the Hessian negative", count(n, "entry", "entries")),
+    };
+    Some(match fallbacks {
+        0 => entries,
+        n => format!("{entries}, {} made with the Gauss–Newton one instead", count(n, "step", "steps")),
+    })
+}
+
+fn kkt_line(kkt: Kkt) -> String {
+    let Kkt { unknowns, nonzeros_log, nonzeros_product } = kkt;
+    let ratio = significant(nonzeros_product as f64 / nonzeros_log as f64, DIGITS - 1);
+    format!("{unknowns} unknowns, nonzeros: log wheel {nonzeros_log}, product wheel {nonzeros_product} ({ratio} times)")
+}
+
+fn ended_line(run: &Run) -> String {
+    let mut parts = vec![ending(run)];
+    if let Some(residual) = run.constraint_residual {
+        parts.push(format!("constraint residual {}", significant(residual, RESIDUAL_DIGITS)));
+    }
+    if let Some(outside) = run.angles_out_of_range.filter(|&n| n > 0) {
+        parts.push(count(outside, "angle outside (0, π)", "angles outside (0, π)"));
+    }
+    if run.moved_angles > 0 {
+        parts.push(count(run.moved_angles, "angle moved into its bounds", "angles moved into their bounds"));
+    }
+    parts.join(", ")
+}
+
+fn layout_line(run: &Run) -> String {
+    let Some(kind) = run.layout else {
+        let mut text = "none: the positions are what was solved for".to_owned();
+        if !run.scaled {
+            text += ", at the scale that doubles hold them at";
+        }
+        return text;
+    };
+    match run.closing_error {
+        Some(error) => format!("{kind}, closing error {}", significant(error, RESIDUAL_DIGITS)),
+        None => kind.to_string(),
+    }
+}
+
+fn valid_line(quality: &Quality) -> String {
+    let m = quality.metrics();
+    let mut text = if quality.valid {
+        "yes: no flipped and no collapsed triangle, no vertex wound around twice".to_owned()
+    } else {
+        let wound = if m.wound > 0 { format!(", {} wound around twice", m.wound) } else { String::new() };
+        format!("no: {} flipped, {} collapsed{wound}", m.flips, m.collapsed)
+    };
+    let faces: Vec<usize> = m.flipped_faces.iter().chain(&m.collapsed_faces).map(|face| face.index()).collect();
+    let vertices: Vec<usize> = m.wound_vertices.iter().map(|vertex| vertex.index()).collect();
+    let named: Vec<String> =
+        [listed("triangles", &faces, m.flips + m.collapsed), listed("vertices", &vertices, m.wound)]
+            .into_iter()
+            .flatten()
+            .collect();
+    if !named.is_empty() {
+        let _ = write!(text, " ({}, counted from 0)", named.join("; "));
+    }
+    if m.near_collapsed > 0 {
+        let _ = write!(text, "; {} collapsed but for rounding", m.near_collapsed);
+    }
+    if m.precision == Precision::Single {
+        text += "; stored in single precision";
+    }
+    text
+}
+
+/// The first of some numbers, if there are any.
+fn listed(what: &str, numbers: &[usize], count: usize) -> Option<String> {
+    let shown: Vec<String> = numbers.iter().take(Metrics::LISTED).map(usize::to_string).collect();
+    let more = if count > shown.len() { ", …" } else { "" };
+    (!shown.is_empty()).then(|| format!("{what} {}{more}", shown.join(", ")))
+}
+
+fn injective_line(m: &Metrics) -> String {
+    /// More pairs of faces would not fit into a line.
+    const PAIRS: usize = 3;
+    if m.overlaps() == 0 {
+        let text = if m.valid() { "yes: no overlap" } else { "no: not valid; its boundary does not cross itself" };
+        return text.to_owned();
+    }
+    let kinds =
+        [(m.crossings, "crossing", "crossings"), (m.meetings, "meeting", "meetings"), (m.nested, "nested", "nested")];
+    let kinds: Vec<String> =
+        kinds.into_iter().filter(|kind| kind.0 > 0).map(|(n, one, all)| count(n, one, all)).collect();
+    let pairs: Vec<String> = m.overlapping_faces.iter().take(PAIRS).map(|[a, b]| format!("{a} over {b}")).collect();
+    let more = if m.overlaps() > pairs.len() { ", …" } else { "" };
+    let named = if pairs.is_empty() {
+        String::new()
+    } else {
+        format!(" (triangles {}{more}, counted from 0)", pairs.join(", "))
+    };
+    format!("no: {} ({}){named}", count(m.overlaps(), "overlap", "overlaps"), kinds.join(", "))
+}
+
+fn distortion_lines(m: &Metrics) -> Vec<(&'static str, String)> {
+    let figure = |x| significant(x, DIGITS);
+    let degrees = significant(m.max_angle_error.to_degrees(), DIGITS - 1);
+    let mut lines = vec![
+        ("angle error", format!("F/3nt {}, weighted {}, largest {degrees}°", figure(m.f), figure(m.f_weighted))),
+        ("stretch", format!("L2 {}, L∞ {}", significant(m.stretch_l2, DIGITS + 1), figure(m.stretch_linf))),
+        ("area error", format!("L2 of the logarithm {}", figure(m.area_l2))),
+    ];
+    if m.degenerate_3d > 0 {
+        let one = "triangle without area on the surface, not in these figures";
+        let many = "triangles without area on the surface, not in these figures";
+        lines.push(("left out", count(m.degenerate_3d, one, many)));
+    }
+    lines
+}
+
+fn time_line(t: &Timings) -> String {
+    let stages = [
+        ("read", t.read),
+        ("topology", t.stages.topology),
+        ("solve", t.stages.solve),
+        ("layout", t.stages.layout),
+        ("charts", t.charts),
+        ("atlas", t.atlas),
+        ("certificate", t.certificate),
+        ("metrics", t.metrics),
+        ("write", t.write),
+    ];
+    let parts: Vec<String> =
+        stages.into_iter().filter(|&(_, s)| s > 0.0).map(|(name, s)| format!("{name} {}", seconds(s))).collect();
+    format!("{} ({})", seconds(t.total), parts.join(", "))
+}
