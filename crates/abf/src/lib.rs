@@ -60,3 +60,12 @@ pub use pipeline::{Pipeline, ZeroArea, flatten};
 pub use precision_limits::PrecisionLimits;
 pub use solver_kind::{SolverKind, UnknownSolver};
 pub use unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped, UnwrappedChart};
+
+/// The code in the documents compiles and runs.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../../../README.md")]
+    struct Readme;
+    #[doc = include_str!("../../../docs/library.md")]
+    struct Library;
+}
