@@ -7,8 +7,8 @@
 
 #![allow(clippy::print_stdout, reason = "an example shows what it did")]
 
-use abf::solve_core::{Event, Observer, Verdict};
 use abf::{ArrayUnwrapper, SurfaceHints};
+use abf::{Event, Observer, Verdict};
 
 /// What is sent to the GPU.
 struct EngineMesh {
@@ -39,7 +39,7 @@ fn cube() -> EngineMesh {
     EngineMesh { positions, normals, lightmap_uvs: Vec::new(), indices }
 }
 
-/// Counts what happens; `Verdict::Cancel` would stop it.
+/// Counts what happens; `Verdict::Stop` would stop it.
 #[derive(Default)]
 struct Watcher {
     events: usize,

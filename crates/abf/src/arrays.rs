@@ -3,9 +3,9 @@
 use crate::atlas::{Atlas, AtlasError, AtlasPages, Packed};
 use crate::unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped};
 use crate::{Pipeline, SolverKind};
+use abf_control::{Observer, Silent};
 use abf_mesh::{GeometryError, Point2, Point3, TriMesh};
 use abf_metrics::Precision;
-use abf_solve_core::{Observer, Silent};
 use std::collections::HashMap;
 
 /// Unwraps a mesh given as arrays into an atlas in the unit square.

@@ -1,6 +1,7 @@
 //! Why there is no result.
 
 use abf_constraints::ProblemError;
+use abf_control::Cancelled;
 use abf_embed::EmbedError;
 use abf_mesh::{DiskError, GeometryError, TopologyError};
 use abf_metrics::MetricsError;
@@ -36,7 +37,7 @@ pub enum FlattenError {
     Layout(#[from] LayoutError),
     /// The descent found no drawing.
     #[error("the descent found no drawing without flips")]
-    Descent(#[from] EmbedError),
+    Descent(#[source] EmbedError),
     /// The descent moves vertices and has no angles to lay out.
     #[error("the descent places the vertices itself: it cannot use the layout '{0}'")]
     DescentLayout(LayoutKind),
@@ -63,9 +64,28 @@ pub enum FlattenError {
         /// A solver that keeps within the limit, and what is predicted for it.
         leaner: Option<(&'static str, u64)>,
     },
-    /// Cancelled before there was anything to return.
-    #[error("cancelled before there was a result")]
-    Cancelled,
+    /// Aborted, or stopped before there was anything to return.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl FlattenError {
+    /// What a solver returned instead of angles.
+    pub(crate) fn of_solver(solver: &'static str, source: SolveError) -> Self {
+        match source {
+            SolveError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            source => Self::Solve { solver, source },
+        }
+    }
+}
+
+impl From<EmbedError> for FlattenError {
+    fn from(error: EmbedError) -> Self {
+        match error {
+            EmbedError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Descent(other),
+        }
+    }
 }
 
 impl From<ProblemError> for FlattenError {

@@ -2,10 +2,11 @@
 
 use crate::{FlattenError, PrecisionLimits, SolverKind};
 use abf_constraints::KktCounts;
+use abf_control::Termination;
 use abf_mesh::{TriMesh, UvMap};
 use abf_metrics::{Certificate, Metrics, MetricsError, measure_certified};
 use abf_reconstruct::LayoutKind;
-use abf_solve_core::{AngleSolution, Termination};
+use abf_solve_core::AngleSolution;
 
 /// A flattened mesh.
 #[derive(Clone, Debug)]

@@ -7,10 +7,11 @@
 
 use crate::task::Task;
 use crate::{FlattenError, Flattening, Pipeline, RungReport, SolverKind};
+use abf_control::{Cancelled, Event, Observer, StopCriteria, Termination, TimeBudget, Verdict};
 use abf_embed::{EmbedError, vertex_points};
 use abf_mesh::{Point2, TriMesh};
 use abf_reconstruct::LayoutKind;
-use abf_solve_core::{AngleSolution, Event, Observer, StopCriteria, Termination, TimeBudget, Verdict};
+use abf_solve_core::AngleSolution;
 use std::cmp::Ordering;
 
 /// One solver of the ladder.
@@ -34,9 +35,12 @@ const RUNGS: &[Rung] = &[
 /// Climbs until a rung is certified.
 pub(crate) fn climb(task: &Task<'_>, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
     let budget = TimeBudget::start(&task.pipeline.stop);
+    let observer = &mut Hearing { observer, is_aborted: false };
     let mut climb = Climb { mesh: task.original, best: None, rungs: Vec::new(), first_error: None };
     for rung in RUNGS {
-        if let Some(interruption) = climb.interruption(&budget, rung.solver, observer) {
+        let interruption = climb.interruption(&budget, rung.solver, observer);
+        observer.aborted()?;
+        if let Some(interruption) = interruption {
             return climb.end(Some(interruption));
         }
         let left = budget.left();
@@ -48,11 +52,36 @@ pub(crate) fn climb(task: &Task<'_>, observer: &mut dyn Observer) -> Result<Flat
         let task = Task { pipeline, start: start.as_deref(), ..*task };
         // A rung that would take too much is left out: what is below it has its result.
         let result = task.pipeline.check_memory(task.mesh).and_then(|()| climb.attempt(&task, observer));
+        // An aborted climb has no result, even where an earlier rung has one.
+        observer.aborted()?;
         if climb.take(rung.solver, result) {
             break;
         }
     }
     climb.end(None)
+}
+
+/// An observer that remembers an abort, and is not asked after it.
+struct Hearing<'o> {
+    observer: &'o mut dyn Observer,
+    is_aborted: bool,
+}
+
+impl Hearing<'_> {
+    fn aborted(&self) -> Result<(), Cancelled> {
+        if self.is_aborted { Err(Cancelled) } else { Ok(()) }
+    }
+}
+
+impl Observer for Hearing<'_> {
+    fn observe(&mut self, event: Event<'_>) -> Verdict {
+        if self.is_aborted {
+            return Verdict::Abort;
+        }
+        let verdict = self.observer.observe(event);
+        self.is_aborted = verdict == Verdict::Abort;
+        verdict
+    }
 }
 
 /// What has been found so far.
@@ -80,7 +109,7 @@ impl Climb<'_> {
             return Some(Termination::TimeLimit);
         }
         let verdict = observer.observe(Event::RungStarted(next.name()));
-        (verdict == Verdict::Cancel).then_some(Termination::Cancelled)
+        (verdict != Verdict::Continue).then_some(Termination::Cancelled)
     }
 
     /// The valid drawing of an earlier rung, for the rung that can start from one.
@@ -133,7 +162,7 @@ impl Climb<'_> {
 
     fn end(self, interruption: Option<Termination>) -> Result<Flattening, FlattenError> {
         let Some(Candidate { flat, .. }) = self.best else {
-            return Err(self.first_error.unwrap_or(FlattenError::Cancelled));
+            return Err(self.first_error.unwrap_or(FlattenError::Cancelled(Cancelled)));
         };
         // A last rung that was stopped before it had a drawing has no result to say so.
         let stopped = self.rungs.last().and_then(|rung| match rung.error {

@@ -18,7 +18,7 @@
 //! [`Flattening::rungs`] says which were tried. [`Pipeline`] holds every setting: which solver, how many passes,
 //! which layout, when to stop. [`Unwrap`] takes meshes that are no disks: closed, with holes or handles, in several parts,
 //! broken; it repairs, cuts and flattens them chart by chart. Core crates print nothing; an [`Observer`] hears what happens and may
-//! cancel.
+//! stop a run, with a result, or abort it, without one.
 
 mod arrays;
 mod atlas;
@@ -33,6 +33,7 @@ mod task;
 mod unwrap;
 
 pub use abf_constraints as constraints;
+pub use abf_control as control;
 pub use abf_cut as cut;
 pub use abf_embed as embed;
 pub use abf_mesh as mesh;
@@ -41,14 +42,17 @@ pub use abf_reconstruct as reconstruct;
 pub use abf_solve_core as solve_core;
 
 pub use abf_constraints::{EstimateSettings, KktCounts, WheelForm};
+pub use abf_control::{
+    Cancelled, Event, Fallback, IterationRecord, Observer, Place, SettingError, Silent, Stage, StopCriteria,
+    Termination, Verdict,
+};
 pub use abf_embed::Descent;
 pub use abf_metrics::{Certificate, Metrics, MetricsError, Precision};
 pub use abf_reconstruct::{LayoutKind, LayoutSettings};
 pub use abf_solve_barrier::Barrier;
 pub use abf_solve_core::{
-    AngleSolution, AngleSolver, BoundRule, Event, Fallback, Hessian, InnerTolerance, IterationRecord,
-    IterativeSettings, LineSearch, NewtonSettings, Observer, PreconditionerKind, Reduction, Silent, Stage,
-    StopCriteria, Termination, Verdict,
+    AngleSolution, AngleSolver, BoundRule, Hessian, InnerTolerance, IterativeSettings, LineSearch, NewtonSettings,
+    PreconditionerKind, Reduction,
 };
 pub use abf_solve_linabf::Passes;
 pub use arrays::{ArrayError, ArrayUnwrapper, UnwrappedArrays};

@@ -3,16 +3,14 @@
 use crate::task::Task;
 use crate::{FlattenError, Flattening, Passes, SolverKind, ladder, predict_memory};
 use abf_constraints::{AngleProblem, EstimateSettings, WheelForm};
+use abf_control::{Cancelled, Event, Observer, Silent, Stage, StopCriteria, Verdict};
 use abf_embed::Descent;
 use abf_mesh::{GeometryError, Topology, TriMesh};
 use abf_metrics::Precision;
 use abf_reconstruct::{LayoutKind, LayoutSettings};
 use abf_solve_abf_newton::AbfNewton;
 use abf_solve_barrier::Barrier;
-use abf_solve_core::{
-    AngleSolver, BoundRule, Event, Hessian, InnerTolerance, IterativeSettings, LineSearch, NewtonSettings, Observer,
-    Silent, Stage, StopCriteria, Verdict,
-};
+use abf_solve_core::{AngleSolver, BoundRule, Hessian, InnerTolerance, IterativeSettings, LineSearch, NewtonSettings};
 use abf_solve_linabf::LinAbf;
 use abf_solve_minres::Minres;
 use abf_solve_uzawa::Uzawa;
@@ -245,6 +243,6 @@ impl Pipeline {
 pub(crate) fn begin(observer: &mut dyn Observer, stage: Stage) -> Result<(), FlattenError> {
     match observer.observe(Event::StageStarted(stage)) {
         Verdict::Continue => Ok(()),
-        Verdict::Cancel => Err(FlattenError::Cancelled),
+        Verdict::Stop | Verdict::Abort => Err(FlattenError::Cancelled(Cancelled)),
     }
 }

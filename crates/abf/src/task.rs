@@ -3,10 +3,11 @@
 use crate::pipeline::begin;
 use crate::{FlattenError, Flattening, LayoutReport, Pipeline, PrecisionLimits, SolverKind};
 use abf_constraints::{AngleProblem, KktCounts, WheelForm};
+use abf_control::{Event, Observer, Stage, Termination, ask};
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap};
 use abf_metrics::{Certificate, certify_connected};
 use abf_reconstruct::{Layout, LayoutKind, LayoutSettings, aligned, layout};
-use abf_solve_core::{AngleSolution, Event, Observer, Stage, Termination};
+use abf_solve_core::AngleSolution;
 
 /// A problem, and how to solve it.
 #[derive(Clone, Copy)]
@@ -48,7 +49,7 @@ impl Task<'_> {
     fn solve(&self, observer: &mut dyn Observer) -> Result<Option<AngleSolution>, FlattenError> {
         let Some(solver) = self.pipeline.angle_solver() else { return Ok(None) };
         let solution = solver.solve(self.problem, &self.pipeline.stop, observer);
-        solution.map(Some).map_err(|source| FlattenError::Solve { solver: solver.name(), source })
+        solution.map(Some).map_err(|source| FlattenError::of_solver(solver.name(), source))
     }
 
     fn layout_settings(&self) -> LayoutSettings {
@@ -66,13 +67,13 @@ impl Task<'_> {
         settings: LayoutSettings,
         observer: &mut dyn Observer,
     ) -> Result<Flattening, FlattenError> {
-        // A cancelled solve still has angles worth laying out.
-        let _ = observer.observe(Event::StageStarted(Stage::Layout));
+        // A stopped solve still has angles worth laying out.
+        ask(observer, Event::StageStarted(Stage::Layout))?;
         let angles = solution.as_ref().map_or(self.problem.mesh_angles(), AngleSolution::angles);
         let Layout { uv, kind, linear, closing_error, moved_angles } =
             layout(self.mesh, self.problem.topology(), angles, &settings)?;
         let uv = if self.pipeline.normalize { uv.normalized() } else { uv };
-        let _ = observer.observe(Event::StageStarted(Stage::Certificate));
+        ask(observer, Event::StageStarted(Stage::Certificate))?;
         let certified = self.certified(uv)?;
         let report = LayoutReport {
             kind: Some(kind),
@@ -97,9 +98,9 @@ impl Task<'_> {
         begin(observer, Stage::Solve)?;
         let Pipeline { descent, stop, .. } = &self.pipeline;
         let descended = descent.solve(self.mesh, self.problem, self.start, stop, observer)?;
-        let _ = observer.observe(Event::StageStarted(Stage::Layout));
+        ask(observer, Event::StageStarted(Stage::Layout))?;
         let candidates = self.placements(&descended.uv, descended.area_matched);
-        let _ = observer.observe(Event::StageStarted(Stage::Certificate));
+        ask(observer, Event::StageStarted(Stage::Certificate))?;
         let (certified, pinned, scaled) = self.first_valid(candidates)?;
         let solution =
             AngleSolution::measure(self.problem, descended.angles, descended.termination, descended.iterations);

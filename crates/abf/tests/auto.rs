@@ -86,7 +86,7 @@ impl Observer for CancelAt {
         if let Event::RungStarted(name) = event {
             self.1.push(name);
             if name == self.0 {
-                return Verdict::Cancel;
+                return Verdict::Stop;
             }
         }
         Verdict::Continue
@@ -103,7 +103,7 @@ fn cancelling_between_rungs_gives_the_best_so_far() {
     assert_eq!((flat.termination, flat.solver), (Termination::Cancelled, SolverKind::LinAbf));
     assert_eq!(observer.1, ["linabf", "abf-fixed-target"]);
     let cancelled = pipeline.run(&Shape::SpikyField.mesh(900), &mut CancelAt("linabf", Vec::new()));
-    assert_eq!(cancelled.unwrap_err(), FlattenError::Cancelled);
+    assert_eq!(cancelled.unwrap_err(), FlattenError::Cancelled(abf::Cancelled));
 }
 
 #[test]

@@ -1,14 +1,13 @@
 //! The interior point method on whole shapes.
 
 use abf_constraints::{AngleProblem, EstimateSettings};
+use abf_control::{Event, Observer, SettingError, Silent, StopCriteria, Termination, Verdict};
 use abf_mesh::{Point3, Topology, TriMesh, VertexId};
 use abf_reconstruct::{LayoutKind, LayoutSettings, layout};
 use abf_shapes::Shape;
 use abf_solve_abf_newton::AbfNewton;
 use abf_solve_barrier::Barrier;
-use abf_solve_core::{
-    AngleSolution, AngleSolver, Event, Hessian, Observer, Silent, SolveError, StopCriteria, Termination, Verdict,
-};
+use abf_solve_core::{AngleSolution, AngleSolver, Hessian, SolveError};
 use std::time::Duration;
 
 fn with_problem<T>(mesh: &TriMesh, body: impl FnOnce(&AngleProblem<'_>) -> T) -> T {
@@ -134,7 +133,7 @@ struct CancelAt {
 impl Observer for CancelAt {
     fn observe(&mut self, _: Event<'_>) -> Verdict {
         self.events += 1;
-        if self.events >= self.last { Verdict::Cancel } else { Verdict::Continue }
+        if self.events >= self.last { Verdict::Stop } else { Verdict::Continue }
     }
 }
 
@@ -175,7 +174,7 @@ fn settings_out_of_range_are_refused() {
         with_problem(&mesh, |problem| barrier.solve(problem, &stop, &mut Silent)).unwrap_err()
     };
     let error = refused(Barrier { barrier_floor: -1.0, ..Barrier::default() }, StopCriteria::default());
-    assert!(matches!(error, SolveError::Setting { name: "barrier_floor", .. }));
+    assert!(matches!(error, SolveError::Setting(SettingError { name: "barrier_floor", .. })));
     let error = refused(Barrier::default(), StopCriteria { tolerance: 0.0, ..StopCriteria::default() });
-    assert!(matches!(error, SolveError::Setting { name: "tolerance", .. }));
+    assert!(matches!(error, SolveError::Setting(SettingError { name: "tolerance", .. })));
 }

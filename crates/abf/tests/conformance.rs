@@ -87,7 +87,7 @@ impl Observer for CancelAtInner {
     fn observe(&mut self, event: Event<'_>) -> Verdict {
         self.events_after += usize::from(self.cancelled);
         self.cancelled |= matches!(event, Event::Inner { .. });
-        if self.cancelled { Verdict::Cancel } else { Verdict::Continue }
+        if self.cancelled { Verdict::Stop } else { Verdict::Continue }
     }
 }
 

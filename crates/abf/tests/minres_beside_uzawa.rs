@@ -1,12 +1,12 @@
 //! MINRES and Uzawa, each against a direct solve of the same steps, and as solvers.
 
 use abf_constraints::{AngleProblem, EstimateSettings, WheelForm};
+use abf_control::{Event, Fallback, Observer, Silent, StopCriteria, Termination, Verdict, Watch};
 use abf_mesh::Topology;
 use abf_shapes::Shape;
 use abf_solve_core::{
-    AngleSolution, AngleSolver, DirectStep, Event, Fallback, Hessian, InnerTolerance, IterativeSettings, KktStep,
-    KktSystem, KktVector, NewtonSettings, Observer, PreconditionerKind, Reduction, Silent, SolveError, StepError,
-    StepReport, StopCriteria, Termination, Verdict, Watch,
+    AngleSolution, AngleSolver, DirectStep, Hessian, InnerTolerance, IterativeSettings, KktStep, KktSystem, KktVector,
+    NewtonSettings, PreconditionerKind, Reduction, SolveError, StepError, StepReport,
 };
 use abf_solve_minres::{Minres, MinresStep};
 use abf_solve_uzawa::{Uzawa, UzawaStep};
@@ -243,7 +243,7 @@ impl Observer for CancelAt {
         match event {
             Event::Inner { inner, .. } if inner >= self.inner => {
                 self.after += 1;
-                Verdict::Cancel
+                Verdict::Stop
             }
             _ => Verdict::Continue,
         }

@@ -268,11 +268,11 @@ fn an_observer_can_cancel() {
     struct Never;
     impl Observer for Never {
         fn observe(&mut self, _: Event<'_>) -> Verdict {
-            Verdict::Cancel
+            Verdict::Stop
         }
     }
     let error = Unwrap::default().run(&ball(), &SurfaceHints::default(), &mut Never).unwrap_err();
-    assert!(matches!(error, UnwrapError::Chart { source: FlattenError::Cancelled, .. }));
+    assert!(matches!(error, UnwrapError::Chart { source: FlattenError::Cancelled(_), .. }));
 }
 
 proptest! {

@@ -3,7 +3,7 @@
 
 mod support;
 
-use abf::solve_core::{Event, IterationRecord, Observer, Stage, Verdict};
+use abf::{Event, IterationRecord, Observer, Stage, Verdict};
 use abf::{Passes, Pipeline, SolverKind};
 use cpu_time::ProcessTime;
 use std::num::NonZeroUsize;

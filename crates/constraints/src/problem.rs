@@ -1,6 +1,7 @@
 //! Targets, weights and the estimate.
 
 use crate::ConstraintRows;
+use abf_control::SettingError;
 use abf_mesh::{CornerId, DiskError, Topology, VertexId};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -42,11 +43,11 @@ impl EstimateSettings {
     fn check(&self) -> Result<(), ProblemError> {
         if self.ring_switch.is_some_and(|t| t.is_nan() || t < 0.0) {
             let value = self.ring_switch.unwrap_or_default();
-            return Err(ProblemError::Setting { name: "ring_switch", allowed: "at least 0", value });
+            return Err(SettingError::new("ring_switch", "at least 0", value).into());
         }
         if !(self.angle_bound > 0.0 && self.angle_bound < PI / 3.0) {
             let value = self.angle_bound;
-            return Err(ProblemError::Setting { name: "angle_bound", allowed: "in (0, π/3)", value });
+            return Err(SettingError::new("angle_bound", "in (0, π/3)", value).into());
         }
         Ok(())
     }
@@ -82,15 +83,8 @@ pub enum ProblemError {
         count: usize,
     },
     /// A setting outside its range.
-    #[error("{name} must be {allowed}, got {value}")]
-    Setting {
-        /// Which setting.
-        name: &'static str,
-        /// What it may be.
-        allowed: &'static str,
-        /// What it was.
-        value: f64,
-    },
+    #[error(transparent)]
+    Setting(#[from] SettingError),
 }
 
 /// A disk with the angles to come close to and the place to start from.

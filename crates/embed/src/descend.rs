@@ -16,9 +16,9 @@ use crate::retract::Retraction;
 use crate::tutte::tutte_watched;
 use crate::{BoundarySpacing, EmbedError, TutteWeights};
 use abf_constraints::{AngleProblem, max_residual};
+use abf_control::{Cancelled, IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
 use abf_linalg::LinearStats;
 use abf_mesh::{FaceId, Point2, Topology, TriMesh, UvMap, Vector2, VertexId};
-use abf_solve_core::{IterationRecord, Observer, StopCriteria, Termination, Watch};
 
 /// The descent and its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,7 +127,7 @@ impl Descent {
             }
         };
         check_start(topology, &uv)?;
-        watch.inner(0, f64::NAN);
+        watch.inner(0, f64::NAN)?;
         if let Some(interruption) = watch.interruption() {
             let angles = measured(topology, &uv);
             let (uv, area_matched) = scaled_to(topology, uv, mesh.area());
@@ -143,7 +143,7 @@ impl Descent {
             });
         }
         let mut run = Run::new(*self, problem, &uv)?;
-        let termination = run.descend(stop, &mut watch);
+        let termination = run.descend(stop, &mut watch)?;
         let (uv, area_matched) = scaled_to(topology, run.uv, mesh.area());
         // Those of the last step: scaling may round, and no angle is changed by it.
         let angles = run.angles;
@@ -165,7 +165,7 @@ impl Descent {
     /// [`EmbedError::Setting`] naming the setting and its range.
     pub fn check(&self) -> Result<(), EmbedError> {
         let positive = "positive and finite";
-        let fault = |name, allowed, value| Err(EmbedError::Setting { name, allowed, value });
+        let fault = |name, allowed, value| Err(SettingError::new(name, allowed, value).into());
         for (name, value) in [
             ("barrier_start", self.barrier_start),
             ("barrier_floor", self.barrier_floor),
@@ -243,33 +243,33 @@ impl<'p, 'a> Run<'p, 'a> {
         })
     }
 
-    fn descend(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Termination {
+    fn descend(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Result<Termination, Cancelled> {
         loop {
             // The matrices are set up, which takes as long as a step.
-            if self.history.is_empty() && !watch.inner(0, f64::NAN) {
-                return watch.interruption().unwrap_or(Termination::Cancelled);
+            if self.history.is_empty() && !watch.inner(0, f64::NAN)? {
+                return Ok(watch.interruption().unwrap_or(Termination::Cancelled));
             }
             // Without a direction the drawing so far is still valid, be it the start.
             let Ok(direction) = self.newton.direction(&self.objective, &self.uv, &self.angles) else {
-                return Termination::Stalled;
+                return Ok(Termination::Stalled);
             };
             let at_floor = self.objective.barrier <= self.settings.barrier_floor;
             let scale = self.objective.scale(&self.angles);
-            let found = self.step(&direction, watch);
+            let found = self.step(&direction, watch)?;
             self.held = direction.held;
             let last = self.history.last().expect("a step is always recorded");
             let small = last.step <= stop.step_tolerance || -last.slope <= self.settings.energy_tolerance * scale;
             if at_floor && small {
-                return Termination::Converged;
+                return Ok(Termination::Converged);
             }
             if let Some(interruption) = watch.interruption() {
-                return interruption;
+                return Ok(interruption);
             }
             if self.history.len() >= stop.max_iterations {
-                return Termination::MaxIterations;
+                return Ok(Termination::MaxIterations);
             }
             match (found, at_floor) {
-                (false, true) => return Termination::Stalled,
+                (false, true) => return Ok(Termination::Stalled),
                 (found, false) if !found || self.is_centred() => self.lower_barrier(),
                 _ => {}
             }
@@ -294,7 +294,7 @@ impl<'p, 'a> Run<'p, 'a> {
     }
 
     /// Takes the best step along a direction and records it; `false` when there is none.
-    fn step(&mut self, direction: &Direction, watch: &mut Watch<'_>) -> bool {
+    fn step(&mut self, direction: &Direction, watch: &mut Watch<'_>) -> Result<bool, Cancelled> {
         let value = self.objective.value(&self.angles);
         let (objective, uv, angles) = (self.objective, &self.uv, &self.angles);
         let place = Search { objective, uv, angles, value, direction }.run(&mut self.retraction);
@@ -324,8 +324,8 @@ impl<'p, 'a> Run<'p, 'a> {
         self.history.push(record);
         let reported = self.reported(&record);
         self.reported.push(reported);
-        watch.iteration(&reported);
-        found
+        watch.iteration(&reported)?;
+        Ok(found)
     }
 
     /// What observers of other solvers know how to read.

@@ -22,7 +22,7 @@
 //! use abf_embed::Descent;
 //! use abf_mesh::{Topology, UvMap};
 //! use abf_shapes::Shape;
-//! use abf_solve_core::{Silent, StopCriteria, Termination};
+//! use abf_control::{Silent, StopCriteria, Termination};
 //!
 //! let mesh = Shape::SpikyField.mesh(500);
 //! let topology = Topology::build(mesh.vertex_count(), mesh.faces())?;
@@ -47,9 +47,9 @@ mod retract;
 mod system;
 mod tutte;
 
+use abf_control::{Cancelled, SettingError, Termination};
 use abf_linalg::LinearError;
 use abf_mesh::{DiskError, FaceId};
-use abf_solve_core::{SolveError, Termination};
 pub use descend::{Descent, DescentRecord, DescentSolution, vertex_points};
 pub use line_search::StepKind;
 pub use tutte::{BoundarySpacing, TutteEmbedding, TutteWeights, tutte};
@@ -86,25 +86,27 @@ pub enum EmbedError {
         vertices: usize,
     },
     /// A setting outside its range.
-    #[error("{name} must be {allowed}, got {value}")]
-    Setting {
-        /// Which setting.
-        name: &'static str,
-        /// What it may be.
-        allowed: &'static str,
-        /// What it was.
-        value: f64,
-    },
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// There is no drawing yet to stop with.
     #[error("{} before there was a first drawing", if *.0 == Termination::Cancelled { "cancelled" } else { "out of time" })]
     Interrupted(
         /// What interrupted it.
         Termination,
     ),
-    /// A stopping criterion outside its range.
+    /// The observer aborted it.
     #[error(transparent)]
-    Stop(#[from] SolveError),
+    Cancelled(#[from] Cancelled),
     /// A linear system could not be solved.
     #[error("a linear system of the embedding has no usable solution")]
-    Linear(#[from] LinearError),
+    Linear(#[source] LinearError),
+}
+
+impl From<LinearError> for EmbedError {
+    fn from(error: LinearError) -> Self {
+        match error {
+            LinearError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Linear(other),
+        }
+    }
 }

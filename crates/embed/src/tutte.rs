@@ -10,9 +10,9 @@
 
 use crate::EmbedError;
 use crate::plane::not_counter_clockwise;
+use abf_control::{Silent, StopCriteria, Watch};
 use abf_linalg::{LinearError, Refinement, SparseMatrix, SymbolicLu};
 use abf_mesh::{CornerId, Point2, Topology, TriMesh, Vector2, VertexId};
-use abf_solve_core::{Silent, StopCriteria, Watch};
 use std::f64::consts::TAU;
 
 /// How the boundary vertices are spread on the circle.
@@ -95,7 +95,10 @@ pub(crate) fn tutte_watched(
                 None => return Ok(TutteEmbedding { uv, spacing, weights }),
                 Some((face, count)) => EmbedError::TutteFlipped { face, count },
             },
-            Err(error) => error.into(),
+            Err(error) => {
+                watch.aborted()?;
+                error.into()
+            }
         };
         first_failure.get_or_insert(failure);
     }
@@ -140,7 +143,7 @@ fn place(
             interior.iter().zip(&rhs).for_each(|(v, correction)| uv[v.index()][axis] += correction);
         }
         // The first solve makes a drawing of it; what follows are digits.
-        if !watch.inner(0, f64::NAN) {
+        if !watch.inner(0, f64::NAN)? {
             break;
         }
     }
@@ -198,9 +201,9 @@ fn means(mesh: &TriMesh, topology: &Topology, vertex: VertexId, weights: TutteWe
 #[cfg(test)]
 mod tests {
     use super::*;
+    use abf_control::Termination;
     use abf_mesh::{DiskError, FaceId, Point3};
     use abf_shapes::Shape;
-    use abf_solve_core::Termination;
     use std::time::Duration;
 
     fn topology(mesh: &TriMesh) -> Topology {

@@ -1,10 +1,10 @@
 //! The descent as a user sees it.
 
 use abf_constraints::{AngleProblem, EstimateSettings};
+use abf_control::{Event, Observer, Silent, StopCriteria, Termination, Verdict};
 use abf_embed::{Descent, DescentSolution, EmbedError, tutte, vertex_points};
 use abf_mesh::{FaceId, Point2, Point3, Topology, TriMesh, UvId, UvMap, VertexId};
 use abf_shapes::Shape;
-use abf_solve_core::{Event, Observer, Silent, StopCriteria, Termination, Verdict};
 use robust::{Coord, orient2d};
 use std::time::Duration;
 
@@ -144,7 +144,7 @@ struct CancelAfter(usize);
 impl Observer for CancelAfter {
     fn observe(&mut self, event: Event<'_>) -> Verdict {
         match event {
-            Event::Iteration(record) if record.iteration >= self.0 => Verdict::Cancel,
+            Event::Iteration(record) if record.iteration >= self.0 => Verdict::Stop,
             _ => Verdict::Continue,
         }
     }

@@ -37,6 +37,7 @@ mod symmetric;
 mod test_support;
 pub mod vector;
 
+use abf_control::Cancelled;
 pub use cg::cg;
 pub use cholesky::{Cholesky, SymbolicCholesky};
 pub use graph::{Graph, Parts, Permutation};
@@ -56,6 +57,9 @@ pub use symmetric::{SymmetricMatrix, SymmetricPattern};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinearError {
+    /// The observer aborted.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// A pivot was not positive: the matrix is not positive definite, or holds a NaN.
     #[error("the matrix is not positive definite: pivot {pivot} of {size}")]
     NotPositiveDefinite {

@@ -1,9 +1,10 @@
 //! The whole KKT matrix, factorised.
 
 use abf_constraints::Jacobian;
+use abf_control::Watch;
 use abf_linalg::{Refinement, SparseMatrix, SymbolicLu};
 use abf_mesh::CornerId;
-use abf_solve_core::{KktStep, KktSystem, KktVector, ProductCurvature, StepError, StepReport, Watch};
+use abf_solve_core::{KktStep, KktSystem, KktVector, ProductCurvature, StepError, StepReport};
 use std::sync::Arc;
 
 /// Solves `[Λ Jᵀ; J 0] [δ; μ] = −[g; h]` as it stands, by sparse LU, with the non-diagonal second
@@ -25,7 +26,7 @@ impl KktStep for FullKktStep {
         out: &mut KktVector,
     ) -> Result<StepReport, StepError> {
         let matrix = assemble(kkt);
-        if !watch.inner(0, f64::NAN) {
+        if !watch.inner(0, f64::NAN)? {
             return Err(StepError::Interrupted);
         }
         let analysed = &mut self.symbolic[usize::from(kkt.off_diagonal.is_some())];

@@ -17,9 +17,8 @@
 mod full_kkt;
 
 use abf_constraints::{AngleProblem, WheelForm};
-use abf_solve_core::{
-    AngleSolution, AngleSolver, DirectStep, FrozenStep, Hessian, NewtonSettings, Observer, SolveError, StopCriteria,
-};
+use abf_control::{Observer, StopCriteria};
+use abf_solve_core::{AngleSolution, AngleSolver, DirectStep, FrozenStep, Hessian, NewtonSettings, SolveError};
 
 pub use full_kkt::FullKktStep;
 
@@ -102,9 +101,9 @@ impl AngleSolver for AbfNewton {
 mod tests {
     use super::*;
     use abf_constraints::EstimateSettings;
+    use abf_control::{Silent, Termination};
     use abf_mesh::Topology;
     use abf_shapes::Shape;
-    use abf_solve_core::{Silent, Termination};
 
     fn solve(solver: &AbfNewton, shape: Shape, triangles: usize) -> AngleSolution {
         let mesh = shape.mesh(triangles);

@@ -33,7 +33,7 @@
 //! A layout keeps angles at least 1e-6 from 0, so results with smaller ones close no longer and flip. That is what
 //! [`Barrier::smallest_angle`] is for: with it, a floor of 1e-8 does no harm. A floor of 1e-9 is within 1e-6 rad of the
 //! optimum of ABF where that is not degenerate. Angles below the clamp of the reported residual (1e-9) end a solve as
-//! [`Termination::Stalled`](abf_solve_core::Termination::Stalled).
+//! [`Termination::Stalled`](abf_control::Termination::Stalled).
 //!
 //! What no setting helps against: a drawing whose triangles differ in size by more than doubles can hold has valid angles, and
 //! no valid coordinates.
@@ -51,7 +51,8 @@ mod system;
 
 use crate::run::Run;
 use abf_constraints::AngleProblem;
-use abf_solve_core::{AngleSolution, AngleSolver, Hessian, Observer, SolveError, StopCriteria, Watch};
+use abf_control::{Observer, SettingError, StopCriteria, Watch};
+use abf_solve_core::{AngleSolution, AngleSolver, Hessian, SolveError};
 
 /// The interior point method and its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,7 +121,7 @@ impl Barrier {
     /// # Errors
     /// [`SolveError::Setting`] naming the setting and its range.
     pub fn check(&self) -> Result<(), SolveError> {
-        let fault = |name, allowed, value| Err(SolveError::Setting { name, allowed, value });
+        let fault = |name, allowed, value| Err(SettingError::new(name, allowed, value).into());
         for (name, value) in [
             ("barrier_start", self.barrier_start),
             ("barrier_floor", self.barrier_floor),

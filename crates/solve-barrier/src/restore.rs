@@ -4,7 +4,8 @@ use crate::path::{advance, longest, nearer_end};
 use crate::place::Place;
 use crate::system::StepSystem;
 use abf_constraints::{AngleProblem, largest};
-use abf_solve_core::{IterationRecord, KktVector, LinearError};
+use abf_control::IterationRecord;
+use abf_solve_core::{KktVector, LinearError};
 
 /// No share below this is tried.
 const SHORTEST: f64 = 1e-6;

@@ -10,7 +10,8 @@ use crate::restore::restored;
 use crate::search::{Search, entry};
 use crate::system::StepSystem;
 use abf_constraints::{AngleProblem, RESIDUAL_CLAMP, largest, max_residual};
-use abf_solve_core::{Fallback, IterationRecord, LinearError, SolveError, StopCriteria, Termination, Watch};
+use abf_control::{Cancelled, Fallback, IterationRecord, StopCriteria, Termination, Watch};
+use abf_solve_core::{LinearError, SolveError};
 use std::f64::consts::PI;
 
 /// How far from 0 and π a start keeps, rad: nothing is known yet that would justify less.
@@ -110,10 +111,12 @@ impl<'p, 'a> Run<'p, 'a> {
     ) -> Result<(Vec<f64>, Termination, Vec<IterationRecord>), SolveError> {
         let termination = loop {
             // A factorisation cannot be interrupted, so ask before it.
-            if !watch.inner(0, f64::NAN) {
+            if !watch.inner(0, f64::NAN)? {
                 break watch.interruption().unwrap_or(Termination::Cancelled);
             }
-            let end = match self.iterate(stop, watch) {
+            let made = self.iterate(stop, watch);
+            watch.aborted()?;
+            let end = match made {
                 Err(error) if self.history.is_empty() => return Err(error.into()),
                 Ok(true) => self.verdict(stop, watch),
                 Ok(false) | Err(_) => watch.interruption().or_else(|| self.recentre()),
@@ -164,7 +167,7 @@ impl<'p, 'a> Run<'p, 'a> {
         let changes = self.multipliers.iter_mut().zip(&direction.step.multipliers);
         changes.for_each(|(m, d)| *m += found.share * d);
         self.place = found.place;
-        self.record(record, watch);
+        self.record(record, watch)?;
         Ok(true)
     }
 
@@ -233,7 +236,7 @@ impl<'p, 'a> Run<'p, 'a> {
                 return Ok(false);
             };
             self.place = place;
-            self.record(IterationRecord { fallback: Some(Fallback::LineSearch), ..record }, watch);
+            self.record(IterationRecord { fallback: Some(Fallback::LineSearch), ..record }, watch)?;
             let reached = (self.place.violation, self.place.objective(self.barrier));
             if reached.0 <= RESTORED * start && self.filter.accepts(reached) {
                 self.forget_multipliers();
@@ -242,7 +245,7 @@ impl<'p, 'a> Run<'p, 'a> {
             if self.history.len() >= stop.max_iterations {
                 return Ok(true);
             }
-            if watch.interruption().is_some() || !watch.inner(0, f64::NAN) {
+            if watch.interruption().is_some() || !watch.inner(0, f64::NAN)? {
                 return Ok(false);
             }
         }
@@ -272,7 +275,7 @@ impl<'p, 'a> Run<'p, 'a> {
         self.bounds = BoundMultipliers::centred(&self.place.angles, self.barrier);
     }
 
-    fn record(&mut self, mut record: IterationRecord, watch: &mut Watch<'_>) {
+    fn record(&mut self, mut record: IterationRecord, watch: &mut Watch<'_>) -> Result<(), Cancelled> {
         record.iteration = self.history.len() + 1;
         record.constraint_residual = self.constraint_residual();
         record.energy = Some(self.place.energy);
@@ -282,7 +285,7 @@ impl<'p, 'a> Run<'p, 'a> {
             self.best.clone_from(&self.place.angles);
         }
         self.history.push(record);
-        watch.iteration(&record);
+        watch.iteration(&record)
     }
 
     /// `max |h|`, from the constraints at hand where the clamp changes nothing.
@@ -311,9 +314,9 @@ fn pushed_inside(angles: &mut [f64]) -> usize {
 mod tests {
     use super::*;
     use abf_constraints::EstimateSettings;
+    use abf_control::Silent;
     use abf_mesh::Topology;
     use abf_shapes::Shape;
-    use abf_solve_core::Silent;
 
     /// Runs a problem whose angles want to leave, and shows every place to `look`.
     fn step_by_step(steps: usize, mut look: impl FnMut(&mut Run<'_, '_>)) {

@@ -17,8 +17,9 @@
 //! constraints themselves, so it is known at every iteration how well `e` will meet them.
 
 use crate::wheels::{Block, Given, Spokes, back_substitute, right_hand_side, vertex_block, wheel_blocks};
-use crate::{DirectStep, KktStep, KktSystem, KktVector, LinearError, StepError, StepReport, Watch};
+use crate::{DirectStep, KktStep, KktSystem, KktVector, LinearError, StepError, StepReport};
 use abf_constraints::{ConstraintRows, WheelDerivative};
+use abf_control::Watch;
 use abf_linalg::{Parts, Permutation, SingleCholesky, SymbolicCholesky, vector};
 use abf_mesh::Topology;
 use rayon::prelude::*;
@@ -361,7 +362,7 @@ impl<'a> Solve<'a> {
             });
             let Some(now) = now else { break };
             self.iterations += 1;
-            if !watch.inner(self.iterations, now / begin) {
+            if !watch.inner(self.iterations, now / begin)? {
                 return Err(StepError::Interrupted);
             }
             converged = now <= target;
@@ -409,8 +410,8 @@ fn largest(v: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::test_support::{Planted, apart};
-    use crate::{Silent, StopCriteria};
     use abf_constraints::WheelForm;
+    use abf_control::{Silent, StopCriteria};
 
     /// Correction and multipliers of one solve, and how many iterations it took.
     fn solve(

@@ -1,7 +1,9 @@
 //! The reduced system by sparse Cholesky, or LBLᵀ where it is indefinite.
 
-use crate::{KktStep, KktSystem, KktVector, LinearError, ReducedSystem, StepError, StepReport, Watch};
+use crate::{KktStep, KktSystem, KktVector, LinearError, ReducedSystem, StepError, StepReport};
+
 use abf_constraints::ConstraintRows;
+use abf_control::Watch;
 use abf_linalg::{Refinement, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::Topology;
 use std::sync::Arc;
@@ -41,7 +43,7 @@ impl KktStep for DirectStep {
     ) -> Result<StepReport, StepError> {
         self.system.assemble(kkt, &mut self.matrix, &mut self.rhs);
         // A factorisation cannot be interrupted, so ask before it.
-        if !watch.inner(0, f64::NAN) {
+        if !watch.inner(0, f64::NAN)? {
             return Err(StepError::Interrupted);
         }
         let refinement =
@@ -62,8 +64,8 @@ impl KktStep for DirectStep {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Silent, StopCriteria};
     use abf_constraints::{Jacobian, WheelDerivative, WheelForm};
+    use abf_control::{Silent, StopCriteria};
     use abf_shapes::Shape;
 
     /// Both block rows of the KKT system, by explicit multiplication with J.

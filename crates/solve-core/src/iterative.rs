@@ -2,6 +2,7 @@
 
 use crate::{Hessian, LinearError, NewtonSettings, SolveError, StepError, StepReport};
 use abf_constraints::WheelForm;
+use abf_control::SettingError;
 use abf_linalg::{KrylovEnd, KrylovParams, KrylovStats};
 use std::fmt;
 use std::str::FromStr;
@@ -110,7 +111,7 @@ impl IterativeSettings {
     /// of the product wheel, which cannot be inverted entry by entry.
     pub fn check(&self, newton: &NewtonSettings) -> Result<(), SolveError> {
         if self.max_inner_iterations == 0 {
-            return Err(SolveError::Setting { name: "max_inner_iterations", allowed: "at least 1", value: 0.0 });
+            return Err(SettingError::new("max_inner_iterations", "at least 1", 0).into());
         }
         if newton.wheel == WheelForm::Product && newton.hessian == Hessian::Exact {
             return Err(SolveError::Unsupported(
@@ -180,7 +181,7 @@ mod tests {
             assert_eq!(IterativeSettings::default().check(&newton), Ok(()));
         }
         let none = IterativeSettings { max_inner_iterations: 0, ..IterativeSettings::default() };
-        assert!(matches!(none.check(&NewtonSettings::default()), Err(SolveError::Setting { .. })));
+        assert!(matches!(none.check(&NewtonSettings::default()), Err(SolveError::Setting(_))));
     }
 
     fn ended(end: KrylovEnd, relative_residual: f64) -> Result<StepReport, StepError> {

@@ -1,7 +1,9 @@
 //! One quadratic step, and the seam behind which it is solved.
 
-use crate::{Fallback, LinearError, LinearStats, Watch};
+use crate::{LinearError, LinearStats};
+
 use abf_constraints::{ConstraintRows, WheelDerivative};
+use abf_control::{Cancelled, Fallback, Watch};
 use abf_mesh::Topology;
 
 /// The system `[Λ Jᵀ; J 0] [δ; μ] = −[g; h]` at one set of angles, `Λ` diagonal.
@@ -89,10 +91,22 @@ impl From<LinearStats> for StepReport {
 pub enum StepError {
     /// The linear system could not be solved.
     #[error(transparent)]
-    Linear(#[from] LinearError),
+    Linear(LinearError),
+    /// The observer aborted.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// The [`Watch`] said stop.
     #[error("interrupted")]
     Interrupted,
+}
+
+impl From<LinearError> for StepError {
+    fn from(error: LinearError) -> Self {
+        match error {
+            LinearError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Linear(other),
+        }
+    }
 }
 
 /// A way to solve a [`KktSystem`]: direct, Uzawa and MINRES differ only here.

@@ -17,10 +17,11 @@
 use crate::hessian::{exact_diagonal, gauss_newton};
 use crate::line_search::{Accepted, Merit};
 use crate::{
-    AngleSolution, BoundRule, Fallback, Hessian, IterationRecord, KktStep, KktSystem, KktVector, LineSearch,
-    LinearError, Observer, ProductCurvature, SolveError, StepError, StopCriteria, Termination, Watch,
+    AngleSolution, BoundRule, Hessian, KktStep, KktSystem, KktVector, LineSearch, LinearError, ProductCurvature,
+    SolveError, StepError,
 };
 use abf_constraints::{AngleProblem, TriangleRows, WheelDerivative, WheelForm, max_residual, residual};
+use abf_control::{Fallback, IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
 
 /// How exactly an inner method solves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,6 +121,7 @@ impl NewtonSettings {
                 Ok(false) => break Termination::Stalled,
                 Err(StepError::Linear(error)) if run.history.is_empty() => return Err(error.into()),
                 Err(StepError::Linear(_)) => break Termination::Stalled,
+                Err(StepError::Cancelled(cancelled)) => return Err(cancelled.into()),
                 Err(StepError::Interrupted) => break watch.interruption().unwrap_or(Termination::Cancelled),
             }
             if run.is_converged(stop) {
@@ -142,7 +144,7 @@ impl NewtonSettings {
     fn check(&self) -> Result<(), SolveError> {
         let positive = |name, value: f64| match value > 0.0 && value < 1.0 {
             true => Ok(()),
-            false => Err(SolveError::Setting { name, allowed: "in (0, 1)", value }),
+            false => Err(SettingError::new(name, "in (0, 1)", value).into()),
         };
         match self.bounds {
             BoundRule::Clamp(bound) => positive("bounds", bound)?,
@@ -155,7 +157,7 @@ impl NewtonSettings {
                 positive("inner_tolerance", tightest)?;
                 if tightest > loosest {
                     let allowed = "at most the loosest inner tolerance";
-                    return Err(SolveError::Setting { name: "inner_tolerance", allowed, value: tightest });
+                    return Err(SettingError::new("inner_tolerance", allowed, tightest).into());
                 }
                 Ok(())
             }
@@ -237,7 +239,7 @@ impl<'p, 'a> Run<'p, 'a> {
             self.best.clone_from(&self.angles);
         }
         self.history.push(record);
-        watch.iteration(&record);
+        watch.iteration(&record)?;
         Ok(accepted.share > 0.0)
     }
 

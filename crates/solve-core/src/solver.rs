@@ -1,7 +1,9 @@
 //! The trait behind which all solvers stand.
 
-use crate::{AngleSolution, LinearError, Observer, StopCriteria};
+use crate::{AngleSolution, LinearError};
+
 use abf_constraints::AngleProblem;
+use abf_control::{Cancelled, Observer, SettingError, StopCriteria};
 
 /// A method that finds the angles of the flat mesh.
 ///
@@ -11,7 +13,8 @@ use abf_constraints::AngleProblem;
 ///
 /// ```
 /// use abf_constraints::AngleProblem;
-/// use abf_solve_core::{AngleSolution, AngleSolver, Observer, SolveError, StopCriteria, Termination};
+/// use abf_solve_core::{AngleSolution, AngleSolver, SolveError};
+/// use abf_control::{Observer, StopCriteria, Termination};
 ///
 /// /// Believes the targets without solving anything.
 /// struct Trusting;
@@ -58,19 +61,24 @@ pub trait AngleSolver: Send + Sync {
 #[non_exhaustive]
 pub enum SolveError {
     /// A setting outside its range.
-    #[error("{name} must be {allowed}, got {value}")]
-    Setting {
-        /// Which setting.
-        name: &'static str,
-        /// What it may be.
-        allowed: &'static str,
-        /// What it was.
-        value: f64,
-    },
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// The observer aborted it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// Settings that do not go together.
     #[error("{0}")]
     Unsupported(&'static str),
     /// The first linear system could not be solved.
     #[error("the linear system of the first step has no usable solution")]
-    Linear(#[from] LinearError),
+    Linear(#[source] LinearError),
+}
+
+impl From<LinearError> for SolveError {
+    fn from(error: LinearError) -> Self {
+        match error {
+            LinearError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Linear(other),
+        }
+    }
 }

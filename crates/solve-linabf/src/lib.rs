@@ -19,9 +19,10 @@
 //! they take the result, kept inside the angle bounds, as the next estimate (end of §6).
 
 use abf_constraints::{AngleProblem, RESIDUAL_CLAMP, WheelDerivative, largest, linearise, max_residual};
+use abf_control::{IterationRecord, Observer, StopCriteria, Termination, Watch};
 use abf_solve_core::{
-    AngleSolution, AngleSolver, DirectStep, IterationRecord, KktStep, KktSystem, KktVector, LeastCorrection,
-    Linearisation, Observer, SolveError, StepError, StepReport, StopCriteria, Termination, Watch,
+    AngleSolution, AngleSolver, DirectStep, KktStep, KktSystem, KktVector, LeastCorrection, Linearisation, SolveError,
+    StepError, StepReport,
 };
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -112,6 +113,7 @@ impl AngleSolver for LinAbf {
                 Err(StepError::Linear(error)) if run.history.is_empty() => return Err(error.into()),
                 // The angles so far are usable; the next estimate was not.
                 Err(StepError::Linear(_)) => break Termination::Stalled,
+                Err(StepError::Cancelled(cancelled)) => return Err(cancelled.into()),
                 Err(_) => break watch.interruption().unwrap_or(Termination::Cancelled),
             }
             if let Some(end) = self.verdict(&run, stop).or(watch.interruption()) {
@@ -235,8 +237,7 @@ impl<'p, 'a> Run<'p, 'a> {
         };
         self.keep_best(record.constraint_residual);
         self.history.push(record);
-        watch.iteration(&record);
-        Ok(())
+        Ok(watch.iteration(&record)?)
     }
 
     /// The least-norm correction `e` of the angles: `J e = −h`.

@@ -13,9 +13,8 @@
 mod step;
 
 use abf_constraints::AngleProblem;
-use abf_solve_core::{
-    AngleSolution, AngleSolver, Hessian, IterativeSettings, NewtonSettings, Observer, SolveError, StopCriteria,
-};
+use abf_control::{Observer, StopCriteria};
+use abf_solve_core::{AngleSolution, AngleSolver, Hessian, IterativeSettings, NewtonSettings, SolveError};
 
 pub use step::MinresStep;
 

@@ -1,11 +1,12 @@
 //! One quadratic step by MINRES, on the whole `M` or on the reduced `S`.
 
 use abf_constraints::ConstraintRows;
+use abf_control::Watch;
 use abf_linalg::{SymmetricMatrix, minres};
 use abf_mesh::Topology;
 use abf_solve_core::{
     ConstraintProducts, IterativeSettings, KktStep, KktSystem, KktVector, LinearError, Preconditioning, ReducedSystem,
-    Reduction, SchurComplement, StepError, StepReport, Watch,
+    Reduction, SchurComplement, StepError, StepReport,
 };
 use std::sync::Arc;
 
@@ -59,7 +60,7 @@ impl KktStep for MinresStep {
     ) -> Result<StepReport, StepError> {
         let preconditioner = self.preconditioning.prepare(kkt)?;
         let params = self.settings.krylov(tolerance);
-        let mut go_on = |iteration, estimate| watch.inner(iteration, estimate);
+        let mut go_on = |iteration, estimate| watch.inner(iteration, estimate).unwrap_or(false);
         let stats = match &mut self.system {
             System::Whole(products) => {
                 products.update(kkt);
@@ -79,6 +80,7 @@ impl KktStep for MinresStep {
                 stats
             }
         };
+        watch.aborted()?;
         self.preconditioning.used(stats.iterations);
         StepReport::from_krylov(stats)
     }

@@ -14,9 +14,8 @@ mod step;
 mod uzawa;
 
 use abf_constraints::AngleProblem;
-use abf_solve_core::{
-    AngleSolution, AngleSolver, Hessian, IterativeSettings, NewtonSettings, Observer, SolveError, StopCriteria,
-};
+use abf_control::{Observer, StopCriteria};
+use abf_solve_core::{AngleSolution, AngleSolver, Hessian, IterativeSettings, NewtonSettings, SolveError};
 
 pub use step::UzawaStep;
 pub use uzawa::{RightHandSide, SaddlePoint, Unknowns, uzawa};

@@ -2,11 +2,12 @@
 
 use crate::{RightHandSide, SaddlePoint, uzawa};
 use abf_constraints::{ConstraintRows, TriangleReduction};
+use abf_control::{Fallback, Watch};
 use abf_linalg::{KrylovEnd, KrylovParams, KrylovStats};
 use abf_mesh::Topology;
 use abf_solve_core::{
-    ConstraintProducts, Fallback, IterativeSettings, KktStep, KktSystem, KktVector, LinearError, Preconditioning,
-    ReducedSystem, Reduction, StepError, StepReport, Watch,
+    ConstraintProducts, IterativeSettings, KktStep, KktSystem, KktVector, LinearError, Preconditioning, ReducedSystem,
+    Reduction, StepError, StepReport,
 };
 use std::sync::Arc;
 
@@ -56,14 +57,15 @@ impl UzawaStep {
         done: usize,
         watch: &mut Watch<'_>,
         out: &mut KktVector,
-    ) -> Result<KrylovStats, LinearError> {
+    ) -> Result<KrylovStats, StepError> {
         let c = self.preconditioning.prepare(kkt)?;
         let saddle = Saddle::new(&self.products, kkt, self.settings.reduction);
         let (f, g) = saddle.right_hand_side(kkt);
         let max_iterations = self.settings.max_inner_iterations - done;
         let params = KrylovParams { max_iterations, ..self.settings.krylov(tolerance) };
-        let mut go_on = |iteration, estimate| watch.inner(done + iteration, estimate);
+        let mut go_on = |iteration, estimate| watch.inner(done + iteration, estimate).unwrap_or(false);
         let (unknowns, stats) = uzawa(&saddle, c, RightHandSide { f: &f, g: &g }, &params, &mut go_on);
+        watch.aborted()?;
         self.preconditioning.used(stats.iterations);
         match &self.reduced {
             None => *out = KktVector { delta: unknowns.x, multipliers: unknowns.lambda },
@@ -169,8 +171,9 @@ impl SaddlePoint for Saddle<'_> {
 mod tests {
     use super::*;
     use abf_constraints::{AngleProblem, EstimateSettings};
+    use abf_control::{Silent, StopCriteria};
     use abf_shapes::Shape;
-    use abf_solve_core::{DirectStep, InnerTolerance, NewtonSettings, Silent, StopCriteria};
+    use abf_solve_core::{DirectStep, InnerTolerance, NewtonSettings};
 
     /// Solves the first step of a sheet with this Λ in place of 2w, and compares with a direct solve.
     struct Bent<F> {

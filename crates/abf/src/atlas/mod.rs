@@ -5,6 +5,7 @@ mod judge;
 mod packing;
 
 use crate::unwrap::Unwrapped;
+use abf_control::SettingError;
 use abf_mesh::{Point2, TriMesh, UvMap};
 use abf_metrics::{Metrics, MetricsError, Precision};
 use boxes::TightBox;
@@ -46,15 +47,8 @@ pub enum AtlasPages {
 #[non_exhaustive]
 pub enum AtlasError {
     /// A setting outside its range.
-    #[error("{name} must be {allowed}, got {value}")]
-    Setting {
-        /// Which setting.
-        name: &'static str,
-        /// What it may be.
-        allowed: &'static str,
-        /// What it was.
-        value: u32,
-    },
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// Pages per material without materials.
     #[error("pages per material need a material for each of the {faces} faces, and there are {given}")]
     Labels {
@@ -175,7 +169,7 @@ impl Atlas {
     }
 
     fn check(&self) -> Result<(), AtlasError> {
-        let wrong = |name, allowed, value| Err(AtlasError::Setting { name, allowed, value });
+        let wrong = |name, allowed, value| Err(SettingError::new(name, allowed, value).into());
         if !(1..=Self::MAX_RESOLUTION).contains(&self.resolution) {
             return wrong("resolution", "in 1..=65536 texels", self.resolution);
         }

@@ -2,15 +2,17 @@
 
 use super::finish::finish;
 use super::overlap::take_apart;
+use super::relay::Ear;
 use super::stretch::Stretch;
 use super::{HoleRule, SeamRule, Unwrap};
 use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolverKind, ZeroArea};
 use abf_constraints::AngleProblem;
+use abf_control::{Cancelled, Event, Observer, Stage, Termination, TimeBudget, Verdict, ask};
 use abf_cut::{Chart, EdgeCosts, Filled, Seams, distances, extend, fill, open, outer_loop, split};
 use abf_mesh::{CornerId, FaceId, Topology, TriMesh, UvMap, VertexId};
 use abf_metrics::Metrics;
 use abf_reconstruct::{LayoutKind, LayoutSettings, layout};
-use abf_solve_core::{AngleSolver, Event, Observer, Stage, Termination, TimeBudget, Verdict};
+use abf_solve_core::AngleSolver;
 use abf_solve_linabf::{LinAbf, Passes};
 use std::num::NonZeroUsize;
 
@@ -55,7 +57,7 @@ struct Surface {
 }
 
 impl Component<'_> {
-    pub(super) fn run(&self, observer: &mut dyn Observer) -> Result<Vec<Finished>, FlattenError> {
+    pub(super) fn run(&self, observer: &mut Ear<'_, '_>) -> Result<Vec<Finished>, FlattenError> {
         let part = self.part;
         let is_disk = part.topology.require_disk().is_ok();
         if is_disk && !self.settings.cut_disks {
@@ -67,9 +69,11 @@ impl Component<'_> {
             return Ok(vec![finish(part, part.mesh.face_count(), flat)?]);
         }
         self.settings.pipeline.check_memory(&part.mesh)?;
+        ask(observer, Event::Working)?;
         let mut surface = self.surface()?;
         let rounds = self.cut_where_stretched(&mut surface, observer)?;
         let (chart, flat, more) = self.flatten(&mut surface, observer)?;
+        ask(observer, Event::Working)?;
         let real = surface.real;
         let virtual_faces = surface.mesh.face_count() - real;
         let holes_filled = surface.holes_filled;
@@ -124,13 +128,16 @@ impl Component<'_> {
     }
 
     /// Flattens quickly, joins the places of largest stretch to the seam, and again; how often.
-    fn cut_where_stretched(&self, surface: &mut Surface, observer: &mut dyn Observer) -> Result<usize, FlattenError> {
+    fn cut_where_stretched(&self, surface: &mut Surface, observer: &mut Ear<'_, '_>) -> Result<usize, FlattenError> {
         if self.settings.seams == SeamRule::Keep {
             return Ok(0);
         }
         for round in 1..=self.settings.max_rounds {
+            observer.begin_round(round);
+            ask(observer, Event::Working)?;
             let chart = surface.chart()?;
             let uv = self.flatten_quickly(&chart, observer)?;
+            ask(observer, Event::Working)?;
             let stretch = Stretch::measure(&chart, &uv, surface.real, surface.mesh.vertex_count())?;
             let is_over = stretch.l2 <= self.settings.max_stretch || self.budget.is_spent();
             if is_over || !self.cut_further(surface, &stretch) {
@@ -156,18 +163,19 @@ impl Component<'_> {
     }
 
     /// Two passes of LinABF and least squares: near enough to see where the stretch is.
-    fn flatten_quickly(&self, chart: &Chart, observer: &mut dyn Observer) -> Result<UvMap, FlattenError> {
+    fn flatten_quickly(&self, chart: &Chart, observer: &mut Ear<'_, '_>) -> Result<UvMap, FlattenError> {
         const PASSES: NonZeroUsize = NonZeroUsize::new(2).unwrap();
-        if observer.observe(Event::StageStarted(Stage::Topology)) == Verdict::Cancel {
-            return Err(FlattenError::Cancelled);
+        if observer.observe(Event::StageStarted(Stage::Topology)) != Verdict::Continue {
+            return Err(FlattenError::Cancelled(Cancelled));
         }
         let settings = &self.settings.pipeline;
         let problem = AngleProblem::new(&chart.topology, chart.mesh.corner_angles(), settings.estimate)?;
         let solver = LinAbf { passes: Passes::Exactly(PASSES) };
-        let named = |source| FlattenError::Solve { solver: solver.name(), source };
+        let named = |source| FlattenError::of_solver(solver.name(), source);
         let solution = solver.solve(&problem, &self.budget.left(), observer).map_err(named)?;
+        ask(observer, Event::Working)?;
         if solution.termination() == Termination::Cancelled {
-            return Err(FlattenError::Cancelled);
+            return Err(FlattenError::Cancelled(Cancelled));
         }
         let kind = LayoutSettings { kind: LayoutKind::LeastSquares, ..settings.layout };
         Ok(layout(&chart.mesh, &chart.topology, solution.angles(), &kind)?.uv)
@@ -177,7 +185,7 @@ impl Component<'_> {
     fn flatten(
         &self,
         surface: &mut Surface,
-        observer: &mut dyn Observer,
+        observer: &mut Ear<'_, '_>,
     ) -> Result<(Chart, crate::Flattening, usize), FlattenError> {
         const ATTEMPTS: usize = 3;
         let mut attempt = 0;

@@ -1,6 +1,7 @@
 //! Why there are no charts.
 
 use crate::FlattenError;
+use abf_control::{Cancelled, SettingError};
 use abf_cut::{RepairError, RepairReport};
 use abf_mesh::FaceId;
 use abf_metrics::MetricsError;
@@ -29,15 +30,8 @@ pub enum UnwrapError {
         expected: usize,
     },
     /// A setting outside its range.
-    #[error("{name} must be {allowed}, got {value}")]
-    Setting {
-        /// Which setting.
-        name: &'static str,
-        /// What it may be.
-        allowed: &'static str,
-        /// What it was.
-        value: f64,
-    },
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// A component or chart that could not be flattened.
     #[error("the chart that begins at face {first} could not be flattened")]
     Chart {
@@ -46,6 +40,9 @@ pub enum UnwrapError {
         /// Why.
         source: FlattenError,
     },
+    /// The observer aborted it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// The cut surface is not what it should be.
     #[error(transparent)]
     Flatten(#[from] FlattenError),

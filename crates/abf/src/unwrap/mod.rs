@@ -10,10 +10,10 @@ mod relay;
 mod stretch;
 
 use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolverKind, ZeroArea};
+use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, ask};
 use abf_cut::{Chart, CostSettings, HoleFilling, RepairReport, Seams, label_borders, repair, split, uv_borders};
 use abf_mesh::{CornerId, FaceId, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::Metrics;
-use abf_solve_core::{Observer, Termination, TimeBudget};
 use component::{Component, Finished};
 pub use error::UnwrapError;
 pub use hints::SurfaceHints;
@@ -192,7 +192,9 @@ impl Unwrap {
         hints.check(mesh)?;
         let in_range = mesh.in_range();
         let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
+        ask(observer, Event::Working)?;
         let repaired = repair(working)?;
+        ask(observer, Event::Working)?;
         if self.strict {
             error::refuse_repairs(&repaired.report)?;
         }
@@ -202,17 +204,24 @@ impl Unwrap {
         let budget = TimeBudget::start(&self.pipeline.stop);
         let kept = self.kept_seams(&repaired, hints);
         let parts = split(&repaired.mesh, &repaired.topology, &kept).map_err(FlattenError::from)?;
-        let relay = Relay::new(observer);
-        let finish = |part: &Chart| -> Result<Vec<Finished>, UnwrapError> {
+        ask(observer, Event::Working)?;
+        let relay = Relay::new(observer, parts.len());
+        let finish = |(component, part): (usize, &Chart)| -> Result<Vec<Finished>, UnwrapError> {
             let is_forbidden = |c: CornerId| {
                 let corner = part.faces[c.face().index()].corner(c.place());
                 hints.is_forbidden(repaired.input_corner(corner))
             };
+            let mut ear = relay.ear(component);
             let component = Component { settings: self, part, is_forbidden: &is_forbidden, budget: &budget };
             let first = repaired.faces[part.faces[0].index()];
-            component.run(&mut relay.ear()).map_err(|source| UnwrapError::Chart { first, source })
+            let charts = component.run(&mut ear).map_err(|source| UnwrapError::Chart { first, source })?;
+            ear.end();
+            Ok(charts)
         };
-        let finished: Vec<Result<Vec<Finished>, UnwrapError>> = parts.par_iter().map(finish).collect();
+        let finished: Vec<Result<Vec<Finished>, UnwrapError>> = parts.par_iter().enumerate().map(finish).collect();
+        if relay.is_aborted() {
+            return Err(Cancelled.into());
+        }
         // One after the other, so that it is always the first error that is told.
         let mut charts = Vec::with_capacity(parts.len());
         let mut nowhere = None;
@@ -260,7 +269,7 @@ impl Unwrap {
     }
 
     fn check(&self) -> Result<(), UnwrapError> {
-        let wrong = |name, allowed, value| Err(UnwrapError::Setting { name, allowed, value });
+        let wrong = |name, allowed, value: f64| Err(SettingError::new(name, allowed, value).into());
         if !(self.max_stretch >= 1.0) {
             return wrong("max_stretch", "at least 1", self.max_stretch);
         }

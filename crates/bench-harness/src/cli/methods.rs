@@ -183,22 +183,19 @@ fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
 
 /// Which option has a value out of its range; options are called as the settings of the library are.
 fn out_of_range(pipeline: &Pipeline, error: &FlattenError) -> Option<String> {
-    let (name, allowed, value) = match error {
-        FlattenError::Problem(ProblemError::Setting { name, allowed, value })
-        | FlattenError::Solve { source: SolveError::Setting { name, allowed, value }, .. }
-        | FlattenError::Descent(
-            EmbedError::Setting { name, allowed, value }
-            | EmbedError::Stop(SolveError::Setting { name, allowed, value }),
-        ) => (*name, *allowed, *value),
-        _ => return None,
+    let (FlattenError::Problem(ProblemError::Setting(setting))
+    | FlattenError::Solve { source: SolveError::Setting(setting), .. }
+    | FlattenError::Descent(EmbedError::Setting(setting))) = error
+    else {
+        return None;
     };
     let start = match error {
         FlattenError::Descent(_) => pipeline.descent.barrier_start,
         _ => pipeline.barrier.barrier_start,
     };
     // There is no option for where the barrier starts.
-    let allowed = allowed.replace("barrier_start", &start.to_string());
-    Some(format!("--{} must be {allowed}, got {value}", name.replace('_', "-")))
+    let allowed = setting.allowed.replace("barrier_start", &start.to_string());
+    Some(format!("--{} must be {allowed}, got {}", setting.name.replace('_', "-"), setting.value))
 }
 
 #[cfg(test)]

@@ -167,8 +167,8 @@ impl Failure {
 
     /// A mesh that was not begun.
     pub(crate) fn cancelled(mesh: &str) -> Self {
-        let hint = hints::flatten(&FlattenError::Cancelled).1;
-        Self::new((CANCELLED, hint), format!("{mesh}: {}", FlattenError::Cancelled))
+        let hint = hints::flatten(&FlattenError::from(abf::Cancelled)).1;
+        Self::new((CANCELLED, hint), format!("{mesh}: {}", FlattenError::from(abf::Cancelled)))
     }
 
     /// Whether nothing is wrong but that the user stopped it.

@@ -93,8 +93,8 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Geometry(error) => geometry(error),
         FlattenError::Topology(error) => topology(error),
         FlattenError::NotADisk(error) | FlattenError::Problem(ProblemError::NotADisk(error)) => disk(error),
-        FlattenError::Problem(ProblemError::Setting { .. })
-        | FlattenError::Solve { source: SolveError::Setting { .. }, .. } => ("setting", "change that option"),
+        FlattenError::Problem(ProblemError::Setting(_))
+        | FlattenError::Solve { source: SolveError::Setting(_), .. } => ("setting", "change that option"),
         FlattenError::Problem(ProblemError::Angle { .. }) => {
             ("degenerate-angle", "remove or improve the triangles without area, for example by merging vertices")
         }
@@ -110,7 +110,7 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Memory { leaner: Some(_), .. } => (MEMORY, "try that solver, or a larger --max-memory"),
         FlattenError::Memory { .. } => (MEMORY, MORE_MEMORY),
         FlattenError::Descent(EmbedError::Interrupted(Termination::TimeLimit)) => ("time", "use a longer --time-limit"),
-        FlattenError::Cancelled | FlattenError::Descent(EmbedError::Interrupted(_)) => {
+        FlattenError::Cancelled(_) | FlattenError::Descent(EmbedError::Interrupted(_)) => {
             ("cancelled", "start it again to have it flattened")
         }
         _ => ("not-flattened", "try --solver lscm"),
@@ -125,7 +125,7 @@ pub(crate) fn unwrap(error: &UnwrapError) -> Hint {
         }
         UnwrapError::Repair(_) => ("beyond-repair", "repair the mesh in a modelling program"),
         UnwrapError::NotClean { .. } => ("not-clean", "leave out --strict to have it repaired"),
-        UnwrapError::Setting { .. } => ("setting", "change that option"),
+        UnwrapError::Setting(_) => ("setting", "change that option"),
         UnwrapError::Chart { source, .. } | UnwrapError::Flatten(source) => flatten(source),
         _ => ("internal", REPORT),
     }
@@ -134,7 +134,7 @@ pub(crate) fn unwrap(error: &UnwrapError) -> Hint {
 /// For charts that cannot be packed.
 pub(crate) fn atlas(error: &AtlasError) -> Hint {
     match error {
-        AtlasError::Setting { .. } => ("setting", "change that option"),
+        AtlasError::Setting(_) => ("setting", "change that option"),
         AtlasError::Labels { .. } => ("no-materials", "this file has no materials: take --atlas one or per-component"),
         AtlasError::TooManyCharts { .. } => ("too-many-charts", "use a larger --resolution or a smaller --margin"),
         AtlasError::Metrics(error) => metrics(error),

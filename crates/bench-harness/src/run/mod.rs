@@ -222,7 +222,7 @@ fn refused(loaded: &Loaded, record: Record, error: &FlattenError) -> Flattened {
 /// The size of a mesh that could not be flattened, with its topology if that was not the reason.
 fn size_of_refused(mesh: &TriMesh, error: &FlattenError) -> Size {
     let topology = match error {
-        FlattenError::Topology(_) | FlattenError::Cancelled => None,
+        FlattenError::Topology(_) | FlattenError::Cancelled(_) => None,
         _ => Topology::build(mesh.vertex_count(), mesh.faces()).ok(),
     };
     Size::of(mesh, topology.as_ref())

@@ -151,7 +151,7 @@ impl Observer for Progress<'_> {
             }
             _ => {}
         }
-        if self.cancel.is_asked() { Verdict::Cancel } else { Verdict::Continue }
+        if self.cancel.is_asked() { Verdict::Stop } else { Verdict::Continue }
     }
 }
 

@@ -1,7 +1,8 @@
 //! When to stop.
 
-use crate::SolveError;
-use std::time::{Duration, Instant};
+use crate::SettingError;
+use std::time::Duration;
+use web_time::Instant;
 
 /// When a solver stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,15 +28,15 @@ impl StopCriteria {
     /// Checks that every setting is in its range; solvers call it first.
     ///
     /// # Errors
-    /// [`SolveError::Setting`] naming the setting and its range.
-    pub fn check(&self) -> Result<(), SolveError> {
+    /// [`SettingError`] naming the setting and its range.
+    pub fn check(&self) -> Result<(), SettingError> {
         for (name, value) in [("tolerance", self.tolerance), ("step_tolerance", self.step_tolerance)] {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(SolveError::Setting { name, allowed: "positive and finite", value });
+                return Err(SettingError::new(name, "positive and finite", value));
             }
         }
         if self.max_iterations == 0 {
-            return Err(SolveError::Setting { name: "max_iterations", allowed: "at least 1", value: 0.0 });
+            return Err(SettingError::new("max_iterations", "at least 1", 0));
         }
         Ok(())
     }

@@ -1,0 +1,17 @@
+//! Run control: what happens is told to an [`Observer`], which may stop a run or abort it.
+//!
+//! There are two ways to stop. [`Verdict::Stop`] asks for a result: the solver ends with the best angles so far and
+//! [`Termination::Cancelled`], and they are laid out and certified. [`Verdict::Abort`] asks for no result: whatever runs
+//! returns [`Cancelled`] at once, and asks nothing more.
+//!
+//! A solver asks through a [`Watch`], which knows the time limit, too. Code without a time limit uses [`ask`].
+
+mod error;
+mod observe;
+mod record;
+mod stop;
+
+pub use error::{Cancelled, SettingError};
+pub use observe::{Checkpoint, Event, Observer, Place, Silent, Stage, Verdict, Watch, ask};
+pub use record::{Fallback, IterationRecord, Termination};
+pub use stop::{StopCriteria, TimeBudget};
