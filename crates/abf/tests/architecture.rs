@@ -13,6 +13,7 @@ const LAYERS: &[(&str, u32)] = &[
     ("abf-control", 0),
     ("abf-mesh", 1),
     ("abf-linalg", 1),
+    ("abf-pack", 1),
     ("abf-shapes", 2),
     ("abf-constraints", 2),
     ("abf-solve-core", 3),

@@ -1,0 +1,148 @@
+//! From pieces to pages.
+
+use crate::combine::{Job, Layout};
+use crate::geometry::{UNTURNED, extent};
+use crate::grid::Pose;
+use crate::shape::Shape;
+use crate::{PackError, PackSettings, Packing, Piece, Placement};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Packs pieces: at the scale that is given, on as few pages as are found to do; without one at the largest scale that is
+/// found to fit the pages that are allowed.
+///
+/// A group of one piece is put at the angle at which it can be largest, in closed form.
+///
+/// # Errors
+/// [`PackError`].
+pub fn pack(pieces: &[Piece], settings: &PackSettings) -> Result<Packing, PackError> {
+    settings.check()?;
+    let unit = check(pieces)?;
+    let mut job = job(pieces, unit, settings);
+    let (scale, layout) = match settings.texels_per_unit {
+        None => job.largest_scale(settings.effort).ok_or_else(|| {
+            let [width, height] = settings.page;
+            let pieces = job.groups.iter().map(Vec::len).max().unwrap_or(0);
+            PackError::TooManyPieces { pieces, pages: job.pages, margin: settings.margin, width, height }
+        })?,
+        Some(given) => {
+            let scale = given * unit;
+            (scale, at_scale(&mut job, scale, unit, settings)?)
+        }
+    };
+    let texels_per_unit = settings.texels_per_unit.unwrap_or(scale / unit);
+    Ok(packing(pieces, &job, &layout, (scale, texels_per_unit), settings))
+}
+
+/// The length of the longest piece; 1 if none has a length.
+fn check(pieces: &[Piece]) -> Result<f64, PackError> {
+    let mut unit = 0.0_f64;
+    for (piece, points) in pieces.iter().map(Piece::points).enumerate() {
+        let points: Vec<[f64; 2]> = points.collect();
+        if points.is_empty() {
+            return Err(PackError::NoPoints { piece });
+        }
+        let (_, [w, h]) = extent(&points, UNTURNED);
+        // An extent beyond all numbers is no length, either.
+        if !points.iter().flatten().all(|x| x.is_finite()) || !(w + h).is_finite() {
+            return Err(PackError::NotFinite { piece });
+        }
+        unit = unit.max(w.max(h));
+    }
+    Ok(if unit > 0.0 { unit } else { 1.0 })
+}
+
+fn job(pieces: &[Piece], unit: f64, settings: &PackSettings) -> Job {
+    let inner = settings.inner();
+    let shape = |piece: &Piece| {
+        let points: Vec<[f64; 2]> = piece.points().collect();
+        let (low, size) = extent(&points, UNTURNED);
+        Shape::new(&piece.polygons, [low[0] + 0.5 * size[0], low[1] + 0.5 * size[1]], unit)
+    };
+    let shapes: Vec<Shape> = pieces.par_iter().map(shape).collect();
+    let largest = |(shape, piece): (&Shape, &Piece)| {
+        let turn = if piece.keeps_its_angle { UNTURNED } else { shape.hull.largest_in(inner).0 };
+        let pose = Pose::new(shape, turn);
+        // By the points themselves: the hull may lack a corner that hardly is one.
+        (pose, (inner[0] / pose.size[0]).min(inner[1] / pose.size[1]))
+    };
+    let boxed = |(shape, piece): (&Shape, &Piece)| {
+        Pose::new(shape, if piece.keeps_its_angle { UNTURNED } else { shape.hull.tightest_box() })
+    };
+    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    pieces.iter().enumerate().for_each(|(i, piece)| groups.entry(piece.group).or_default().push(i));
+    Job {
+        largest: shapes.par_iter().zip(pieces).map(largest).collect(),
+        boxes: shapes.par_iter().zip(pieces).map(boxed).collect(),
+        fixed: pieces.iter().map(|piece| piece.keeps_its_angle).collect(),
+        groups: groups.into_values().collect(),
+        shapes,
+        // No group needs more pages than it has pieces.
+        pages: settings.pages.min(pieces.len().max(1)),
+        inner,
+        margin: settings.kept_margin(),
+    }
+}
+
+/// Each group onto as few pages as are found to do.
+fn at_scale(job: &mut Job, scale: f64, unit: f64, settings: &PackSettings) -> Result<Layout, PackError> {
+    let [width, height] = settings.page;
+    let given = scale / unit;
+    if let Some(piece) = job.largest.iter().position(|&(_, largest)| scale > largest) {
+        let largest = job.largest[piece].1 / unit;
+        return Err(PackError::PieceTooLarge { piece, width, height, texels_per_unit: given, largest });
+    }
+    let groups = std::mem::take(&mut job.groups);
+    let (most, mut whole) = (job.pages, None);
+    for group in &groups {
+        job.groups = vec![group.clone()];
+        job.pages = most;
+        let too_many = || PackError::TooManyPages { pieces: group.len(), pages: most, texels_per_unit: given };
+        let mut layout = job.at_scale(scale, settings.effort).ok_or_else(too_many)?;
+        loop {
+            let used = group.iter().map(|&i| layout[i].page + 1).max().unwrap_or(1);
+            if used == 1 {
+                break;
+            }
+            job.pages = used - 1;
+            let Some(fewer) = job.at_scale(scale, settings.effort) else { break };
+            layout = fewer;
+        }
+        let whole = whole.get_or_insert_with(|| layout.clone());
+        group.iter().for_each(|&i| whole[i] = layout[i]);
+    }
+    (job.groups, job.pages) = (groups, most);
+    Ok(whole.unwrap_or_default())
+}
+
+fn packing(
+    pieces: &[Piece],
+    job: &Job,
+    layout: &Layout,
+    (scale, texels_per_unit): (f64, f64),
+    settings: &PackSettings,
+) -> Packing {
+    let margin = settings.kept_margin();
+    let mut first_page = vec![0; pieces.len()];
+    let mut pages = 0;
+    for group in &job.groups {
+        let used = group.iter().map(|&i| layout[i].page + 1).max().unwrap_or(0);
+        group.iter().for_each(|&i| first_page[i] = pages);
+        pages += used;
+    }
+    let placement = |(i, piece): (usize, &Piece)| {
+        let slot = layout[i];
+        let points: Vec<[f64; 2]> = piece.points().collect();
+        let (low, _) = extent(&points, slot.turn);
+        let corner = slot.corner.map(|x| x + margin);
+        Placement { page: first_page[i] + slot.page, turn: slot.turn, low, corner }
+    };
+    let area: f64 = job.shapes.iter().map(|shape| shape.area).sum::<f64>() * scale * scale;
+    let texels = settings.page.map(f64::from).iter().product::<f64>() * pages.max(1) as f64;
+    Packing {
+        texels_per_unit,
+        placements: pieces.par_iter().enumerate().map(placement).collect(),
+        pages,
+        coverage: area / texels,
+    }
+}
