@@ -1,7 +1,7 @@
 //! The source of a package, module by module: what each file defines, re-exports and names.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 use syn::{Attribute, Item, ItemMod, UseTree, Visibility};
@@ -49,7 +49,7 @@ impl Source {
     /// Reads a crate from the folder of its sources.
     pub(crate) fn read(folder: &Path) -> Self {
         let mut files = Vec::new();
-        read_module(folder, folder.join("lib.rs"), Vec::new(), &mut files);
+        read_module(folder, &folder.join("lib.rs"), Vec::new(), &mut files);
         Self(files)
     }
 
@@ -118,10 +118,10 @@ impl Source {
 }
 
 /// Reads a file and the modules that it declares.
-fn read_module(root: &Path, path: PathBuf, module: Vec<String>, files: &mut Vec<File>) {
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+fn read_module(root: &Path, path: &Path, module: Vec<String>, files: &mut Vec<File>) {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let parsed = syn::parse_file(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let mut reader = Reader { tests: Vec::new(), file: empty(root, &path, module) };
+    let mut reader = Reader { tests: Vec::new(), file: empty(root, path, module) };
     reader.visit_file(&parsed);
     let Reader { tests, mut file } = reader;
     let is_test = |line: usize| tests.iter().any(|&(first, last)| (first..=last).contains(&line));
@@ -135,7 +135,7 @@ fn read_module(root: &Path, path: PathBuf, module: Vec<String>, files: &mut Vec<
     for child in children {
         let beside = folder.join(format!("{child}.rs"));
         let path = if beside.is_file() { beside } else { folder.join(&child).join("mod.rs") };
-        read_module(root, path, module.iter().cloned().chain([child]).collect(), files);
+        read_module(root, &path, module.iter().cloned().chain([child]).collect(), files);
     }
 }
 
