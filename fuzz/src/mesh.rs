@@ -1,18 +1,19 @@
 //! From bytes to a small mesh, mostly a disk: a fuzzer that only met refusals would find nothing behind them.
 
 use abf::mesh::{Point3, TriMesh};
-use abf::{Precision, SolverKind};
+use abf::{Precision, Solver};
 
 /// More vertices tell nothing that fewer do not.
 const MOST: usize = 40;
 
 /// The first byte: which solver, which precision, which way to faces. Then triples of bytes: a vertex each,
 /// the first four bits of every coordinate an exponent. What is left over are faces, or where they are glued.
-pub(crate) fn decode(bytes: &[u8]) -> Option<(TriMesh, SolverKind, Precision)> {
+pub(crate) fn decode(bytes: &[u8]) -> Option<(TriMesh, Solver, Precision)> {
     let (&head, rest) = bytes.split_first()?;
     let (&count, rest) = rest.split_first()?;
     let count = 3 + usize::from(count) % (MOST - 2);
-    let solver = SolverKind::ALL[usize::from(head) % SolverKind::ALL.len()];
+    let solvers = Solver::all();
+    let solver = solvers[usize::from(head) % solvers.len()].clone();
     let precision = if head & 0x10 == 0 { Precision::Double } else { Precision::Single };
     let mut bytes = rest.iter().copied().chain(std::iter::repeat(0));
     let mut byte = move || bytes.next().expect("without end");

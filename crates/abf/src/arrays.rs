@@ -2,7 +2,7 @@
 
 use crate::atlas::{Atlas, AtlasError, AtlasPages, Packed};
 use crate::unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped};
-use crate::{Pipeline, SolverKind};
+use crate::{Pipeline, Solver};
 use abf_control::{Observer, Silent};
 use abf_mesh::{GeometryError, Point2, Point3, TriMesh};
 use abf_metrics::Precision;
@@ -23,7 +23,7 @@ use std::collections::HashMap;
 /// assert_eq!(new_positions.len(), flat.uvs.len());
 /// # Ok::<(), abf::ArrayError>(())
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ArrayUnwrapper {
     /// Seams, holes and the solver.
     pub unwrap: Unwrap,
@@ -93,8 +93,8 @@ impl ArrayUnwrapper {
 
     /// Which solver flattens the charts.
     #[must_use]
-    pub fn solver(mut self, solver: SolverKind) -> Self {
-        self.unwrap.pipeline.solver = solver;
+    pub fn solver(mut self, solver: impl Into<Solver>) -> Self {
+        self.unwrap.pipeline.solver = solver.into();
         self
     }
 

@@ -1,5 +1,6 @@
 //! Why there is no result.
 
+use crate::settings::SolverKind;
 use abf_constraints::ProblemError;
 use abf_control::Cancelled;
 use abf_embed::EmbedError;
@@ -28,7 +29,7 @@ pub enum FlattenError {
     #[error("the solver '{solver}' found no angles")]
     Solve {
         /// Which solver.
-        solver: &'static str,
+        solver: SolverKind,
         /// Why.
         source: SolveError,
     },
@@ -54,7 +55,7 @@ pub enum FlattenError {
     )]
     Memory {
         /// Which solver.
-        solver: &'static str,
+        solver: SolverKind,
         /// How many triangles the mesh has.
         triangles: usize,
         /// See [`predict_memory`](crate::predict_memory), bytes.
@@ -62,7 +63,7 @@ pub enum FlattenError {
         /// What is allowed, bytes.
         limit: u64,
         /// A solver that keeps within the limit, and what is predicted for it.
-        leaner: Option<(&'static str, u64)>,
+        leaner: Option<(SolverKind, u64)>,
     },
     /// Aborted, or stopped before there was anything to return.
     #[error(transparent)]
@@ -71,7 +72,7 @@ pub enum FlattenError {
 
 impl FlattenError {
     /// What a solver returned instead of angles.
-    pub(crate) fn of_solver(solver: &'static str, source: SolveError) -> Self {
+    pub(crate) fn of_solver(solver: SolverKind, source: SolveError) -> Self {
         match source {
             SolveError::Cancelled(cancelled) => Self::Cancelled(cancelled),
             source => Self::Solve { solver, source },
@@ -111,6 +112,6 @@ fn in_units(bytes: u64) -> String {
     if amount < 10.0 { format!("{amount:.1} {unit}") } else { format!("{amount:.0} {unit}") }
 }
 
-fn instead(leaner: Option<(&'static str, u64)>) -> String {
+fn instead(leaner: Option<(SolverKind, u64)>) -> String {
     leaner.map_or_else(String::new, |(solver, bytes)| format!("; '{solver}' takes about {}", in_units(bytes)))
 }

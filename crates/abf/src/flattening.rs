@@ -15,7 +15,7 @@ pub struct Flattening {
     pub uv: UvMap,
     /// What is proved of these UVs: whether triangles are turned over, wind, or lie over each other.
     pub certificate: Certificate,
-    /// Whose result this is; never [`SolverKind::Auto`].
+    /// Whose result this is; never [`SolverKind::Auto`], and a user's own by its name.
     pub solver: SolverKind,
     /// How the solver ended; [`Termination::OnePass`] for LSCM, which is one linear solve. When a ladder broke off
     /// because it was cancelled or out of time, and has nothing certified, that.

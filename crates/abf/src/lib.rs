@@ -14,8 +14,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`flatten`] uses the defaults: [`SolverKind::Auto`], a ladder of solvers up to the first whose result is proved valid;
-//! [`Flattening::rungs`] says which were tried. [`Pipeline`] holds every setting: which solver, how many passes,
+//! [`flatten`] uses the defaults: [`Solver::Auto`], a ladder of solvers up to the first whose result is proved valid;
+//! [`Flattening::rungs`] says which were tried. [`Pipeline`] holds every setting: which [`Solver`],
 //! which layout, when to stop. [`Unwrap`] takes meshes that are no disks: closed, with holes or handles, in several parts,
 //! broken; it repairs, cuts and flattens them chart by chart. Core crates print nothing; an [`Observer`] hears what happens and may
 //! stop a run, with a result, or abort it, without one.
@@ -24,12 +24,9 @@ mod arrays;
 mod atlas;
 mod error;
 mod flattening;
-mod ladder;
-mod memory;
-mod pipeline;
 mod precision_limits;
-mod solver_kind;
-mod task;
+mod run;
+mod settings;
 mod unwrap;
 
 pub use abf_constraints as constraints;
@@ -49,20 +46,22 @@ pub use abf_control::{
 pub use abf_embed::Descent;
 pub use abf_metrics::{Certificate, Metrics, MetricsError, Precision};
 pub use abf_reconstruct::{LayoutKind, LayoutSettings};
+pub use abf_solve_abf_newton::{AbfNewton, NewtonMethod};
 pub use abf_solve_barrier::Barrier;
 pub use abf_solve_core::{
     AngleSolution, AngleSolver, BoundRule, Hessian, InnerTolerance, IterativeSettings, LineSearch, NewtonSettings,
     PreconditionerKind, Reduction,
 };
-pub use abf_solve_linabf::Passes;
+pub use abf_solve_linabf::{LinAbf, Passes};
+pub use abf_solve_minres::Minres;
+pub use abf_solve_uzawa::Uzawa;
 pub use arrays::{ArrayError, ArrayUnwrapper, UnwrappedArrays};
 pub use atlas::{Atlas, AtlasError, AtlasPages, Packed, Placement, Stored};
 pub use error::FlattenError;
 pub use flattening::{Flattening, LayoutReport, RungReport};
-pub use memory::predict_memory;
-pub use pipeline::{Pipeline, ZeroArea, flatten};
 pub use precision_limits::PrecisionLimits;
-pub use solver_kind::{SolverKind, UnknownSolver};
+pub use run::flatten;
+pub use settings::{Ladder, Pipeline, Solver, SolverKind, SolverParts, UnknownSolver, ZeroArea, predict_memory};
 pub use unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped, UnwrappedChart};
 
 /// The code in the documents compiles and runs.

@@ -2,7 +2,7 @@
 
 use abf::mesh::TriMesh;
 use abf::{
-    Cancelled, Event, FlattenError, Observer, Pipeline, Place, SolverKind, SurfaceHints, Unwrap, UnwrapError, Verdict,
+    Cancelled, Event, FlattenError, Observer, Pipeline, Place, Solver, SurfaceHints, Unwrap, UnwrapError, Verdict,
 };
 use abf_shapes::Shape;
 
@@ -46,7 +46,7 @@ fn aborts_everywhere<E: std::fmt::Debug>(run: impl Fn(&mut AbortAt) -> Result<()
     }
 }
 
-fn pipeline_aborts_everywhere(solver: SolverKind, mesh: &TriMesh) {
+fn pipeline_aborts_everywhere(solver: Solver, mesh: &TriMesh) {
     let pipeline = Pipeline { solver, ..Pipeline::default() };
     aborts_everywhere(
         |observer| pipeline.run(mesh, observer).map(|_| ()),
@@ -57,14 +57,14 @@ fn pipeline_aborts_everywhere(solver: SolverKind, mesh: &TriMesh) {
 #[test]
 fn every_solver_aborts_at_every_question() {
     let mesh = Shape::BumpySheet.mesh(300);
-    for solver in SolverKind::ALL {
+    for solver in Solver::all() {
         pipeline_aborts_everywhere(solver, &mesh);
     }
 }
 
 #[test]
 fn a_ladder_of_several_rungs_aborts_at_every_question() {
-    pipeline_aborts_everywhere(SolverKind::Auto, &Shape::SpikyField.mesh(900));
+    pipeline_aborts_everywhere(Solver::default(), &Shape::SpikyField.mesh(900));
 }
 
 #[test]

@@ -6,8 +6,8 @@ mod support;
 
 use abf::mesh::{GeometryError, Point3, TopologyError, TriMesh};
 use abf::{
-    Event, FlattenError, Flattening, LayoutKind, Observer, Pipeline, Silent, SolverKind, StopCriteria, Termination,
-    Verdict, ZeroArea,
+    Descent, Event, FlattenError, Flattening, LayoutKind, LinAbf, Observer, Pipeline, Silent, SolverKind, StopCriteria,
+    Termination, Verdict, ZeroArea,
 };
 use abf_shapes::Shape;
 use std::f64::consts::TAU;
@@ -38,7 +38,7 @@ fn fan(apex: [f64; 3], rim: &[[f64; 3]]) -> TriMesh {
 fn well_behaved_meshes_have_the_bits_of_linabf() {
     for shape in Shape::ALL {
         let mesh = shape.mesh(700);
-        let linabf = Pipeline { solver: SolverKind::LinAbf, ..Pipeline::default() };
+        let linabf = Pipeline { solver: LinAbf::default().into(), ..Pipeline::default() };
         let named = linabf.run(&mesh, &mut Silent).expect("a flattening");
         let auto = certified(&mesh);
         if named.is_certified() && named.layout == auto.layout {
@@ -52,20 +52,20 @@ fn well_behaved_meshes_have_the_bits_of_linabf() {
 fn the_descent_is_valid_by_name_and_stands_where_layouts_do() {
     for shape in [Shape::Obtuse, Shape::SpikyField, Shape::Hemisphere] {
         let mesh = shape.mesh(600);
-        let descent = Pipeline { solver: SolverKind::Descent, ..Pipeline::default() };
+        let descent = Pipeline { solver: Descent::default().into(), ..Pipeline::default() };
         let flat = descent.run(&mesh, &mut Silent).expect("a flattening");
         assert!(flat.is_certified(), "{shape}");
         assert!((flat.uv.signed_area() / mesh.area() - 1.0).abs() < 1e-12 && flat.layout.scaled && flat.layout.pinned);
         let lying = certified(&mesh).uv;
         let at_origin = lying.points().iter().position(|p| p.coords.norm() < 1e-12).expect("a pin");
         assert!(flat.uv.points()[at_origin].coords.norm() < 1e-12, "the same pin");
-        let squeezed = Pipeline { normalize: true, ..descent }.run(&mesh, &mut Silent).expect("a flattening");
+        let squeezed = Pipeline { normalize: true, ..descent.clone() }.run(&mesh, &mut Silent).expect("a flattening");
         let (low, high) = squeezed.uv.bounds().expect("points");
         assert_eq!((low.coords.amax(), (high - low).amax()), (0.0, 1.0));
         assert!(squeezed.certificate.valid());
     }
     let tree = abf::LayoutSettings { kind: LayoutKind::Tree, ..abf::LayoutSettings::default() };
-    let refused = Pipeline { solver: SolverKind::Descent, layout: tree, ..Pipeline::default() };
+    let refused = Pipeline { solver: Descent::default().into(), layout: tree, ..Pipeline::default() };
     let error = refused.run(&Shape::Obtuse.mesh(3), &mut Silent).unwrap_err();
     assert_eq!(error, FlattenError::DescentLayout(LayoutKind::Tree));
 }
@@ -122,7 +122,7 @@ fn the_descent_starts_from_the_valid_drawing_of_an_earlier_rung() {
     // One step, and a tolerance nobody meets: from Tutte's circle it leads elsewhere.
     let stop = StopCriteria { tolerance: 1e-300, max_iterations: 1, ..StopCriteria::default() };
     let auto = Pipeline { stop, ..Pipeline::default() }.run(&mesh, &mut Silent).expect("a flattening");
-    let named = Pipeline { stop, solver: SolverKind::Descent, ..Pipeline::default() };
+    let named = Pipeline { stop, solver: Descent::default().into(), ..Pipeline::default() };
     let named = named.run(&mesh, &mut Silent).expect("a flattening").metrics(&mesh).expect("metrics").f;
     let last = auto.rungs.last().expect("rungs");
     assert!(auto.rungs[0].valid && last.solver == SolverKind::Descent);

@@ -3,8 +3,8 @@
 use abf::constraints::AngleProblem;
 use abf::mesh::{Topology, TriMesh};
 use abf::{
-    AngleSolution, AngleSolver, Barrier, EstimateSettings, Event, IterativeSettings, Observer, Pipeline, Silent,
-    SolverKind, StopCriteria, Termination, Verdict,
+    AngleSolution, AngleSolver, Barrier, EstimateSettings, Event, IterativeSettings, Minres, Observer, Silent, Solver,
+    SolverKind, StopCriteria, Termination, Uzawa, Verdict,
 };
 use abf_shapes::Shape;
 use proptest::prelude::*;
@@ -13,9 +13,18 @@ use std::time::{Duration, Instant};
 /// Every solver that solves for angles, with its default settings; but the barrier all but gone where the interior
 /// point ends, which else stays in its optimum.
 fn solvers() -> Vec<Box<dyn AngleSolver>> {
-    let barrier = Barrier { barrier_floor: 1e-11, smallest_angle: 0.0, ..Barrier::default() };
-    let of = |solver| Pipeline { solver, barrier, ..Pipeline::default() }.angle_solver();
-    SolverKind::ALL.into_iter().filter_map(of).collect()
+    Solver::all().into_iter().filter_map(of_angles).collect()
+}
+
+fn of_angles(solver: Solver) -> Option<Box<dyn AngleSolver>> {
+    match solver {
+        Solver::LinAbf(solver) => Some(Box::new(solver)),
+        Solver::Newton(solver) => Some(Box::new(solver)),
+        Solver::Uzawa(solver) => Some(Box::new(solver)),
+        Solver::Minres(solver) => Some(Box::new(solver)),
+        Solver::Barrier(solver) => Some(Box::new(Barrier { barrier_floor: 1e-11, smallest_angle: 0.0, ..solver })),
+        Solver::Custom(_) | Solver::Auto(_) | Solver::Descent(_) | Solver::Lscm => None,
+    }
 }
 
 fn with_problem<T>(mesh: &TriMesh, body: impl FnOnce(&AngleProblem<'_>) -> T) -> T {
@@ -144,8 +153,9 @@ fn a_single_iteration_whose_solve_broke_off_is_not_what_was_asked() {
     let mesh = Shape::SpikyField.mesh(800);
     let stop = StopCriteria { max_iterations: 1, ..StopCriteria::default() };
     let iterative = IterativeSettings { max_inner_iterations: 5, ..IterativeSettings::as_published() };
-    for solver in [SolverKind::Uzawa, SolverKind::Minres] {
-        let solver = Pipeline { solver, iterative, ..Pipeline::default() }.angle_solver().expect("solves for angles");
+    let uzawa = Uzawa { iterative, ..Uzawa::default() };
+    let minres = Minres { iterative, ..Minres::default() };
+    for solver in [&uzawa as &dyn AngleSolver, &minres] {
         let solution = with_problem(&mesh, |problem| solver.solve(problem, &stop, &mut Silent)).expect("angles");
         assert!(!solution.termination().is_as_asked(), "{}: {}", solver.name(), solution.termination());
     }

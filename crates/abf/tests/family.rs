@@ -10,19 +10,19 @@ use abf::constraints::AngleProblem;
 use abf::mesh::{Topology, TriMesh};
 use abf::{
     AngleSolution, EstimateSettings, Hessian, InnerTolerance, IterativeSettings, Pipeline, PreconditionerKind,
-    Reduction, Silent, SolverKind, StopCriteria, Termination, WheelForm,
+    Reduction, Silent, SolverKind, Termination, WheelForm,
 };
 use support::{models, read};
 
 fn solve(pipeline: &Pipeline, mesh: &TriMesh) -> AngleSolution {
     let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
     let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
-    let solver = pipeline.angle_solver().expect("solves for angles");
+    let solver = pipeline.solver.angle_solver().expect("solves for angles");
     solver.solve(&problem, &pipeline.stop, &mut Silent).expect("angles")
 }
 
 fn with(solver: SolverKind) -> Pipeline {
-    Pipeline { solver, ..Pipeline::default() }
+    Pipeline { solver: solver.with_defaults().expect("one of the library"), ..Pipeline::default() }
 }
 
 /// `(file, F/3nt)` of the optimum, from an independent implementation, to be met within 0.01 %; where the
@@ -118,12 +118,11 @@ fn fresh_block_factors_take_at_most_60_iterations_to_ten_digits() {
         let mesh = read(&folder, name);
         for solver in [SolverKind::Uzawa, SolverKind::Minres] {
             // One outer step at a time has fresh factors.
-            let pipeline = Pipeline {
-                hessian: Some(Hessian::GaussNewton),
-                inner_tolerance: InnerTolerance::Fixed(1e-10),
-                stop: StopCriteria { max_iterations: 1, ..StopCriteria::default() },
-                ..with(solver)
-            };
+            let mut pipeline = with(solver);
+            pipeline.stop.max_iterations = 1;
+            let newton = pipeline.solver.parts_mut().newton.expect("a fixed target");
+            newton.hessian = Hessian::GaussNewton;
+            newton.inner_tolerance = InnerTolerance::Fixed(1e-10);
             let solution = solve(&pipeline, &mesh);
             let step = solution.history().last().expect("one step");
             println!("{name} {solver}: {} iterations to {:.1e}", step.inner_iterations, step.inner_residual);
@@ -139,7 +138,9 @@ fn as_published(solver: SolverKind, max_inner_iterations: usize) -> Pipeline {
         preconditioner: PreconditionerKind::None,
         max_inner_iterations,
     };
-    Pipeline { iterative, ..with(solver) }
+    let mut pipeline = with(solver);
+    *pipeline.solver.parts_mut().iterative.expect("an inner method") = iterative;
+    pipeline
 }
 
 #[test]
@@ -178,8 +179,10 @@ fn the_product_wheel_reaches_the_same_optimum_with_every_inner_solve() {
     let mesh = read(&folder, "disks/spot.obj");
     let reference = solve(&with(SolverKind::AbfFixedTarget), &mesh);
     for solver in [SolverKind::AbfPlusPlus, SolverKind::Uzawa, SolverKind::Minres] {
-        let wheel = Some(WheelForm::Product);
-        let solution = solve(&Pipeline { wheel, hessian: Some(Hessian::GaussNewton), ..with(solver) }, &mesh);
+        let mut pipeline = with(solver);
+        let newton = pipeline.solver.parts_mut().newton.expect("a fixed target");
+        (newton.wheel, newton.hessian) = (WheelForm::Product, Hessian::GaussNewton);
+        let solution = solve(&pipeline, &mesh);
         assert_eq!(solution.termination(), Termination::Converged, "{solver}");
         let apart = reference.angles().iter().zip(solution.angles()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart <= SAME_ANGLES, "{solver}: {apart:e}");

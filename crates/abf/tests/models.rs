@@ -9,7 +9,7 @@ mod support;
 use abf::mesh::TriMesh;
 use abf::metrics::Metrics;
 use abf::{
-    EstimateSettings, Flattening, LayoutKind, LayoutSettings, Passes, Pipeline, Silent, SolverKind, Termination,
+    EstimateSettings, Flattening, LayoutKind, LayoutSettings, LinAbf, Passes, Pipeline, Silent, Solver, Termination,
 };
 use support::{models, read};
 
@@ -21,8 +21,7 @@ fn run(pipeline: &Pipeline, mesh: &TriMesh) -> (Flattening, Metrics) {
 
 fn one_pass() -> Pipeline {
     Pipeline {
-        solver: SolverKind::LinAbf,
-        passes: "1".parse().expect("a number of passes"),
+        solver: LinAbf { passes: "1".parse().expect("a number of passes") }.into(),
         layout: LayoutSettings { kind: LayoutKind::LeastSquares, ..LayoutSettings::default() },
         ..Pipeline::default()
     }
@@ -102,7 +101,7 @@ fn linabf_converges_without_flips_on_every_disk_but_dino() {
     let mut misses = Vec::new();
     for (name, ..) in ONE_PASS.into_iter().filter(|row| !row.0.ends_with("dino.obj")) {
         let (flat, metrics) =
-            run(&Pipeline { solver: SolverKind::LinAbf, ..Pipeline::default() }, &read(&folder, name));
+            run(&Pipeline { solver: LinAbf::default().into(), ..Pipeline::default() }, &read(&folder, name));
         let solution = flat.solution.expect("LinABF solves for angles");
         println!(
             "{name}: {} after {} passes, residual {:.1e}, layout {}, F {:.5e}, L2 {:.5}, flips {}",
@@ -152,7 +151,7 @@ fn every_pass_count_is_obeyed() {
     let mesh = read(&folder, "paper/cow.obj");
     for passes in [1, 2] {
         let passes = Passes::Exactly(passes.try_into().expect("not zero"));
-        let flat = run(&Pipeline { solver: SolverKind::LinAbf, passes, ..Pipeline::default() }, &mesh).0;
+        let flat = run(&Pipeline { solver: LinAbf { passes }.into(), ..Pipeline::default() }, &mesh).0;
         assert_eq!(flat.solution.expect("angles").iterations().to_string(), passes.to_string());
     }
 }
@@ -163,7 +162,7 @@ fn lscm_is_proper_by_default_and_as_in_the_reference_when_unweighted() {
     let mesh = read(&folder, "paper/cow.obj");
     let lscm = |kind| {
         let layout = LayoutSettings { kind, ..LayoutSettings::default() };
-        run(&Pipeline { solver: SolverKind::Lscm, layout, ..Pipeline::default() }, &mesh)
+        run(&Pipeline { solver: Solver::Lscm, layout, ..Pipeline::default() }, &mesh)
     };
     let (proper, _) = lscm(LayoutKind::Auto);
     assert_eq!(proper.layout.kind, Some(LayoutKind::LeastSquaresWeighted));

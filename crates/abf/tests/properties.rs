@@ -2,7 +2,7 @@
 
 use abf::mesh::{Point3, TriMesh, Vector3, VertexId};
 use abf::metrics::Metrics;
-use abf::{EstimateSettings, LayoutKind, LayoutSettings, Passes, Pipeline, Silent, SolverKind};
+use abf::{EstimateSettings, LayoutKind, LayoutSettings, LinAbf, Passes, Pipeline, Silent, Solver};
 use abf_shapes::Shape;
 use proptest::prelude::*;
 
@@ -11,8 +11,7 @@ const SHAPES: [Shape; 6] =
 
 fn one_pass() -> Pipeline {
     Pipeline {
-        solver: SolverKind::LinAbf,
-        passes: Passes::Exactly(1.try_into().expect("not zero")),
+        solver: LinAbf { passes: Passes::Exactly(1.try_into().expect("not zero")) }.into(),
         layout: LayoutSettings { kind: LayoutKind::LeastSquares, ..LayoutSettings::default() },
         ..Pipeline::default()
     }
@@ -66,7 +65,7 @@ proptest! {
     ) {
         let mesh = shape.mesh(700);
         let other = moved(&mesh, axis, 10_f64.powf(log_scale), shift);
-        let lscm = Pipeline { solver: SolverKind::Lscm, ..Pipeline::default() };
+        let lscm = Pipeline { solver: Solver::Lscm, ..Pipeline::default() };
         for pipeline in [Pipeline::default(), one_pass(), lscm] {
             assert_same(&judge(&pipeline, &mesh), &judge(&pipeline, &other));
         }
@@ -117,7 +116,7 @@ fn the_spike_of_the_paper_needs_the_ring_switch_and_defeats_lscm() {
     // the largest sine divides, it flips two; a dense least squares solve of the same equations agrees.
     for (kind, flips) in [(LayoutKind::LeastSquaresWeighted, 1), (LayoutKind::LeastSquares, 2)] {
         let layout = LayoutSettings { kind, ..LayoutSettings::default() };
-        assert_eq!(judge(&Pipeline { solver: SolverKind::Lscm, layout, ..Pipeline::default() }, &mesh).flips, flips);
+        assert_eq!(judge(&Pipeline { solver: Solver::Lscm, layout, ..Pipeline::default() }, &mesh).flips, flips);
     }
 }
 

@@ -3,8 +3,7 @@
 
 mod support;
 
-use abf::{Event, IterationRecord, Observer, Stage, Verdict};
-use abf::{Passes, Pipeline, SolverKind};
+use abf::{Event, IterationRecord, LinAbf, Observer, Passes, Pipeline, Stage, Verdict};
 use cpu_time::ProcessTime;
 use std::num::NonZeroUsize;
 use support::{Model, Table, models, or_dash, scientific, seconds};
@@ -41,7 +40,7 @@ fn main() {
 
 fn measure(table: &mut Table, Model { name, mesh }: &Model) {
     let run = |passes| {
-        let pipeline = Pipeline { passes, solver: SolverKind::LinAbf, ..Pipeline::default() };
+        let pipeline = Pipeline { solver: LinAbf { passes }.into(), ..Pipeline::default() };
         let mut best: Vec<(IterationRecord, f64)> = Vec::new();
         for _ in 0..RUNS {
             let mut clock = Clock::default();

@@ -30,11 +30,12 @@ fn main() {
         b.iter(|| AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()));
     });
     group.bench_function("solve, passes until 1e-8", |b| {
-        let solver = pipeline.angle_solver().expect("solves for angles");
+        let solver = pipeline.solver.angle_solver().expect("solves for angles");
         b.iter(|| solver.solve(&problem, &pipeline.stop, &mut Silent));
     });
     group.bench_function("solve, one pass", |b| {
-        let solver = support::one_pass().angle_solver().expect("solves for angles");
+        let one_pass = support::one_pass();
+        let solver = one_pass.solver.angle_solver().expect("solves for angles");
         b.iter(|| solver.solve(&problem, &pipeline.stop, &mut Silent));
     });
     for kind in [LayoutKind::Tree, LayoutKind::LeastSquares, LayoutKind::Poisson] {

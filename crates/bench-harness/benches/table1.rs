@@ -4,7 +4,7 @@
 
 mod support;
 
-use abf::SolverKind;
+use abf::AbfNewton;
 use criterion::SamplingMode;
 use support::{
     Model, Table, forget, judge, least_squares, median_s, models, once, one_pass, or_dash, published, scientific,
@@ -25,7 +25,7 @@ fn main() {
     group.sampling_mode(SamplingMode::Flat);
     for Model { name, mesh } in &models {
         let run = |pipeline: abf::Pipeline| move || pipeline.run(mesh, &mut abf::Silent);
-        let (mut slow, mut fast) = (run(least_squares(SolverKind::AbfPlusPlus)), run(one_pass()));
+        let (mut slow, mut fast) = (run(least_squares(AbfNewton::abf_plus_plus())), run(one_pass()));
         group.bench_function(format!("{name}_abf++"), |b| b.iter(&mut slow));
         group.bench_function(format!("{name}_linabf"), |b| b.iter(&mut fast));
     }
@@ -61,10 +61,10 @@ fn table(models: &[Model]) -> Table {
         let times = (median_s(GROUP, &format!("{name}_abf++")), median_s(GROUP, &format!("{name}_linabf")));
         let (Some(slow), Some(fast)) = times else { continue };
         let paper = |column: &str| published("LinABF 2007", "Table 1", name, column);
-        let (abf, abf_metrics) = judge(&least_squares(SolverKind::AbfPlusPlus), mesh);
+        let (abf, abf_metrics) = judge(&least_squares(AbfNewton::abf_plus_plus()), mesh);
         let (_, linabf) = judge(&one_pass(), mesh);
         let abf_s = (mesh.face_count() <= LARGEST_ABF).then(|| {
-            let abf = least_squares(SolverKind::Abf);
+            let abf = least_squares(AbfNewton::abf());
             once(|| abf.run(mesh, &mut abf::Silent)).0
         });
         let papers_ratio = paper("time ABF++").zip(paper("time LinABF")).map(|(a, b)| a / b);

@@ -3,7 +3,7 @@
 
 mod support;
 
-use abf::{Pipeline, SolverKind, StopCriteria};
+use abf::{AbfNewton, Pipeline, StopCriteria};
 use support::{Model, Table, judge, least_squares, models, one_pass, or_dash, published, scientific};
 
 fn main() {
@@ -25,7 +25,7 @@ fn main() {
     );
     for Model { name, mesh } in models(&["horse", "dino"]) {
         let stop = StopCriteria { max_iterations: 1, ..StopCriteria::default() };
-        let (_, one) = judge(&Pipeline { stop, ..least_squares(SolverKind::AbfPlusPlus) }, &mesh);
+        let (_, one) = judge(&Pipeline { stop, ..least_squares(AbfNewton::abf_plus_plus()) }, &mesh);
         let (_, linabf) = judge(&one_pass(), &mesh);
         let stretch = |x: f64| format!("{x:.4}");
         let paper = |column: &str| published("LinABF 2007", "small table", &name, column);

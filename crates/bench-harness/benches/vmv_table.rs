@@ -4,7 +4,7 @@
 
 mod support;
 
-use abf::{IterativeSettings, Pipeline, PreconditionerKind, Reduction, SolverKind, StopCriteria};
+use abf::{IterativeSettings, Minres, Pipeline, PreconditionerKind, Reduction, Solver, StopCriteria, Uzawa};
 use abf_shapes::Shape;
 use support::{Model, Table, models, once, or_dash, published, seconds};
 
@@ -50,9 +50,9 @@ fn main() {
             preconditioner: PreconditionerKind::None,
             max_inner_iterations: MAX_INNER,
         };
-        let cell = |solver: SolverKind, iterative: IterativeSettings| {
+        let cell = |solver: Solver| {
             let stop = StopCriteria { max_iterations: 20, ..StopCriteria::default() };
-            let pipeline = Pipeline { solver, iterative, stop, ..Pipeline::default() };
+            let pipeline = Pipeline { solver, stop, ..Pipeline::default() };
             let (time, flat) = once(|| pipeline.run(&mesh, &mut abf::Silent).expect("a flattening"));
             let inner = flat.solution.as_ref().map_or(0, abf::AngleSolution::inner_iterations);
             let end = if flat.termination.is_as_asked() { String::new() } else { format!(", {}", flat.termination) };
@@ -63,10 +63,10 @@ fn main() {
             paper("time MINRES"),
             paper("time Uzawa"),
             name,
-            cell(SolverKind::Minres, published_form),
-            cell(SolverKind::Uzawa, published_form),
-            cell(SolverKind::Minres, IterativeSettings::default()),
-            cell(SolverKind::Uzawa, IterativeSettings::default()),
+            cell(Minres { iterative: published_form, ..Minres::default() }.into()),
+            cell(Uzawa { iterative: published_form, ..Uzawa::default() }.into()),
+            cell(Minres::default().into()),
+            cell(Uzawa::default().into()),
         ]);
     }
     table.finish();

@@ -31,11 +31,37 @@ pub enum Inner {
     FullKkt,
 }
 
+/// The named points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NewtonMethod {
+    /// ABF as published in 2001.
+    Abf,
+    /// ABF++.
+    AbfPlusPlus,
+    /// Newton's method: log wheel, exact Hessian.
+    AbfNewton,
+    /// Log wheel, Gauss–Newton, the target of ABF kept.
+    AbfFixedTarget,
+}
+
+impl NewtonMethod {
+    /// The name on the command line and in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Abf => "abf",
+            Self::AbfPlusPlus => "abf++",
+            Self::AbfNewton => "abf-newton",
+            Self::AbfFixedTarget => "abf-fixed-target",
+        }
+    }
+}
+
 /// A Newton solver with a direct inner solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AbfNewton {
-    /// The name in reports.
-    pub name: &'static str,
+    /// Which of the named points it started as. Only its name in reports depends on it.
+    pub method: NewtonMethod,
     /// The point of the grid.
     pub newton: NewtonSettings,
     /// How the step is solved. The exact Hessian of the product wheel always takes the whole matrix.
@@ -46,35 +72,35 @@ impl AbfNewton {
     /// ABF as published in 2001: product wheel, exact Hessian, the whole matrix.
     #[must_use]
     pub fn abf() -> Self {
-        Self::preset("abf", WheelForm::Product, Hessian::Exact, Inner::FullKkt)
+        Self::preset(NewtonMethod::Abf, WheelForm::Product, Hessian::Exact, Inner::FullKkt)
     }
 
     /// ABF++: product wheel, Gauss–Newton, reduced.
     #[must_use]
     pub fn abf_plus_plus() -> Self {
-        Self::preset("abf++", WheelForm::Product, Hessian::GaussNewton, Inner::Reduced)
+        Self::preset(NewtonMethod::AbfPlusPlus, WheelForm::Product, Hessian::GaussNewton, Inner::Reduced)
     }
 
     /// The Newton method of ZRS05 and VMV04: log wheel, exact Hessian.
     #[must_use]
     pub fn exact_newton() -> Self {
-        Self::preset("abf-newton", WheelForm::Log, Hessian::Exact, Inner::Reduced)
+        Self::preset(NewtonMethod::AbfNewton, WheelForm::Log, Hessian::Exact, Inner::Reduced)
     }
 
     /// Log wheel, Gauss–Newton: the matrix of LinABF with ABF's target kept.
     #[must_use]
     pub fn fixed_target() -> Self {
-        Self::preset("abf-fixed-target", WheelForm::Log, Hessian::GaussNewton, Inner::Reduced)
+        Self::preset(NewtonMethod::AbfFixedTarget, WheelForm::Log, Hessian::GaussNewton, Inner::Reduced)
     }
 
-    fn preset(name: &'static str, wheel: WheelForm, hessian: Hessian, inner: Inner) -> Self {
-        Self { name, newton: NewtonSettings { wheel, hessian, ..NewtonSettings::default() }, inner }
+    fn preset(method: NewtonMethod, wheel: WheelForm, hessian: Hessian, inner: Inner) -> Self {
+        Self { method, newton: NewtonSettings { wheel, hessian, ..NewtonSettings::default() }, inner }
     }
 }
 
 impl AngleSolver for AbfNewton {
     fn name(&self) -> &'static str {
-        self.name
+        self.method.name()
     }
 
     fn solve(
@@ -123,9 +149,9 @@ mod tests {
             assert_eq!(reference.termination(), Termination::Converged);
             for solver in [AbfNewton::abf(), AbfNewton::abf_plus_plus(), AbfNewton::exact_newton()] {
                 let solution = solve(&solver, shape, 600);
-                assert_eq!(solution.termination(), Termination::Converged, "{} on {shape}", solver.name);
+                assert_eq!(solution.termination(), Termination::Converged, "{} on {shape}", solver.name());
                 let apart = largest_difference(&reference, &solution);
-                assert!(apart < 1e-6, "{} on {shape}: {apart:e}", solver.name);
+                assert!(apart < 1e-6, "{} on {shape}: {apart:e}", solver.name());
             }
         }
     }

@@ -85,7 +85,7 @@ impl Component<'_> {
     /// are to be: those that close holes may have none.
     fn pipeline(&self) -> Pipeline {
         let (normalize, zero_area, stop) = (false, ZeroArea::Carry, self.budget.left());
-        Pipeline { normalize, zero_area, stop, ..self.settings.pipeline }
+        Pipeline { normalize, zero_area, stop, ..self.settings.pipeline.clone() }
     }
 
     /// Closes what is to be closed and opens the rest.
@@ -171,7 +171,7 @@ impl Component<'_> {
         let settings = &self.settings.pipeline;
         let problem = AngleProblem::new(&chart.topology, chart.mesh.corner_angles(), settings.estimate)?;
         let solver = LinAbf { passes: Passes::Exactly(PASSES) };
-        let named = |source| FlattenError::of_solver(solver.name(), source);
+        let named = |source| FlattenError::of_solver(SolverKind::LinAbf, source);
         let solution = solver.solve(&problem, &self.budget.left(), observer).map_err(named)?;
         ask(observer, Event::Working)?;
         if solution.termination() == Termination::Cancelled {

@@ -27,7 +27,7 @@ use std::str::FromStr;
 ///
 /// Where seams have to be found, they grow with the stretch: cut to a disk, flatten, look where the map shrinks the
 /// surface most, cut there, and again, until the stretch is what is aimed at.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Unwrap {
     /// How each chart is flattened. [`Pipeline::normalize`] does not concern charts: they come out at one scale.
     pub pipeline: Pipeline,

@@ -4,7 +4,7 @@
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use abf::mesh::{TriMesh, io};
-use abf::{LayoutKind, LayoutSettings, Metrics, Passes, Pipeline, Silent, SolverKind};
+use abf::{LayoutKind, LayoutSettings, LinAbf, Metrics, Passes, Pipeline, Silent, Solver};
 use criterion::Criterion;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -62,7 +62,7 @@ pub(crate) fn fixture(name: &str) -> Model {
 
 /// LinABF, passes until 1e-8.
 pub(crate) fn linabf() -> Pipeline {
-    Pipeline { solver: SolverKind::LinAbf, ..Pipeline::default() }
+    Pipeline { solver: LinAbf::default().into(), ..Pipeline::default() }
 }
 
 /// Criterion with its results below `target/`, few samples and no long waits.
@@ -90,13 +90,13 @@ pub(crate) fn median_s(group: &str, id: &str) -> Option<f64> {
 
 /// One pass with unweighted least squares: LinABF as its paper ran it.
 pub(crate) fn one_pass() -> Pipeline {
-    Pipeline { passes: Passes::Exactly(1.try_into().expect("not zero")), ..least_squares(SolverKind::LinAbf) }
+    least_squares(LinAbf { passes: Passes::Exactly(1.try_into().expect("not zero")) })
 }
 
 /// A solver with the papers' layout.
-pub(crate) fn least_squares(solver: SolverKind) -> Pipeline {
+pub(crate) fn least_squares(solver: impl Into<Solver>) -> Pipeline {
     let layout = LayoutSettings { kind: LayoutKind::LeastSquares, ..LayoutSettings::default() };
-    Pipeline { solver, layout, ..Pipeline::default() }
+    Pipeline { solver: solver.into(), layout, ..Pipeline::default() }
 }
 
 pub(crate) fn judge(pipeline: &Pipeline, mesh: &TriMesh) -> (abf::Flattening, Metrics) {

@@ -4,17 +4,11 @@ use super::args::{MethodArgs, SolverChoice, names};
 use super::usage::usage;
 use crate::record::NotRun;
 use crate::record::failure::chain;
-use crate::record::kinds::{
-    finds_angles, has_a_barrier, has_a_fixed_target, iterates_inside, keeps_constraints, makes_passes,
-};
 use abf::constraints::ProblemError;
 use abf::embed::EmbedError;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
-use abf::{
-    Barrier, Descent, EstimateSettings, FlattenError, IterativeSettings, LayoutSettings, Pipeline, SolverKind,
-    StopCriteria,
-};
+use abf::{EstimateSettings, FlattenError, LayoutSettings, Pipeline, Solver, SolverKind, SolverParts, StopCriteria};
 use clap::error::ErrorKind;
 use std::time::Duration;
 
@@ -41,7 +35,7 @@ impl Method {
         }
         let triangles = mesh.face_count();
         let limit = self.most_triangles.filter(|&limit| triangles > limit)?;
-        let solver = self.pipeline.solver;
+        let solver = self.pipeline.solver.kind();
         let message = format!(
             "the LU factorisation of its nearly {} unknowns takes long; above {limit} triangles it runs only when \
              asked for with --solver {solver}",
@@ -60,9 +54,9 @@ pub(crate) fn methods(choice: &SolverChoice, args: &MethodArgs) -> Result<Vec<Me
     let kinds = choice.kinds();
     check_concerns(&kinds, args)?;
     let pipeline = pipeline(args)?;
-    let method = |&solver: &SolverKind| {
-        let pipeline = Pipeline { solver, ..pipeline };
-        let is_left_out = solver == SolverKind::Abf && *choice == SolverChoice::All;
+    let method = |&kind: &SolverKind| {
+        let pipeline = Pipeline { solver: solver(kind, args), ..pipeline.clone() };
+        let is_left_out = kind == SolverKind::Abf && *choice == SolverChoice::All;
         let unsupported = match try_out(&pipeline) {
             Ok(()) => None,
             Err(Refusal::Combination(message)) if kinds.len() > 1 => Some(message),
@@ -85,8 +79,10 @@ struct Offer {
 /// Every option that concerns some solvers only.
 fn offers(args: &MethodArgs) -> [Offer; 14] {
     let of = |concerns: fn(SolverKind) -> bool| move |name, is_given| Offer { name, is_given, concerns };
-    let (angles, passes, inner) = (of(finds_angles), of(makes_passes), of(iterates_inside));
-    let (fixed_target, constrained, barrier) = (of(has_a_fixed_target), of(keeps_constraints), of(has_a_barrier));
+    let (angles, passes, inner) =
+        (of(SolverKind::finds_angles), of(SolverKind::makes_passes), of(SolverKind::iterates_inside));
+    let (fixed_target, constrained, barrier) =
+        (of(SolverKind::has_a_fixed_target), of(SolverKind::keeps_constraints), of(SolverKind::has_a_barrier));
     [
         constrained("--ring-switch", args.ring_switch.is_some()),
         constrained("--angle-bound", args.angle_bound.is_some()),
@@ -115,23 +111,37 @@ fn check_concerns(solvers: &[SolverKind], args: &MethodArgs) -> Result<(), clap:
     Err(usage(ErrorKind::ArgumentConflict, message))
 }
 
-/// The settings for all solvers; each reads those that concern it.
+/// A solver with the options that concern it.
+fn solver(kind: SolverKind, args: &MethodArgs) -> Solver {
+    let mut solver = kind.with_defaults().expect("solvers are named on the command line");
+    let SolverParts { linabf, newton, iterative, barrier, descent, .. } = solver.parts_mut();
+    if let Some(linabf) = linabf {
+        linabf.passes = args.passes.unwrap_or(linabf.passes);
+    }
+    if let Some(newton) = newton {
+        newton.wheel = args.wheel.unwrap_or(newton.wheel);
+        newton.hessian = args.hessian.unwrap_or(newton.hessian);
+        newton.line_search = args.line_search.unwrap_or(newton.line_search);
+        newton.inner_tolerance = args.inner_tolerance.map_or(newton.inner_tolerance, |accuracy| accuracy.0);
+    }
+    if let Some(iterative) = iterative {
+        iterative.reduction = args.reduction.unwrap_or(iterative.reduction);
+        iterative.preconditioner = args.preconditioner.unwrap_or(iterative.preconditioner);
+        iterative.max_inner_iterations = args.max_inner_iterations.unwrap_or(iterative.max_inner_iterations);
+    }
+    if let Some(barrier) = barrier {
+        barrier.barrier_floor = args.barrier_floor.unwrap_or(barrier.barrier_floor);
+    }
+    if let Some(descent) = descent {
+        descent.barrier_floor = args.barrier_floor.unwrap_or(descent.barrier_floor);
+    }
+    solver
+}
+
+/// The settings for all solvers.
 fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
     let (estimate, stop) = (EstimateSettings::default(), StopCriteria::default());
-    let (iterative, barrier, descent) = (IterativeSettings::default(), Barrier::default(), Descent::default());
     Ok(Pipeline {
-        passes: args.passes.unwrap_or_default(),
-        wheel: args.wheel,
-        hessian: args.hessian,
-        line_search: args.line_search.unwrap_or_default(),
-        inner_tolerance: args.inner_tolerance.map(|accuracy| accuracy.0).unwrap_or_default(),
-        iterative: IterativeSettings {
-            reduction: args.reduction.unwrap_or_default(),
-            preconditioner: args.preconditioner.unwrap_or_default(),
-            max_inner_iterations: args.max_inner_iterations.unwrap_or(iterative.max_inner_iterations),
-        },
-        barrier: Barrier { barrier_floor: args.barrier_floor.unwrap_or(barrier.barrier_floor), ..barrier },
-        descent: Descent { barrier_floor: args.barrier_floor.unwrap_or(descent.barrier_floor), ..descent },
         zero_area: args.zero_area,
         estimate: EstimateSettings {
             ring_switch: args.ring_switch.map_or(estimate.ring_switch, |given| given.0),
@@ -169,7 +179,7 @@ fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from).to_vec();
     let triangle = TriMesh::new(points, &[[0, 1, 2]]).expect("indices in range");
     // How little memory there is says nothing about the settings.
-    match (Pipeline { max_memory: None, ..*pipeline }).run(&triangle, &mut abf::Silent) {
+    match (Pipeline { max_memory: None, ..pipeline.clone() }).run(&triangle, &mut abf::Silent) {
         Ok(_) => Ok(()),
         Err(FlattenError::Solve { source: error @ SolveError::Unsupported(_), .. }) => {
             Err(Refusal::Combination(error.to_string()))
@@ -189,12 +199,17 @@ fn out_of_range(pipeline: &Pipeline, error: &FlattenError) -> Option<String> {
     else {
         return None;
     };
+    let mut solver = pipeline.solver.clone();
+    let SolverParts { barrier, descent, .. } = solver.parts_mut();
     let start = match error {
-        FlattenError::Descent(_) => pipeline.descent.barrier_start,
-        _ => pipeline.barrier.barrier_start,
+        FlattenError::Descent(_) => descent.map(|descent| descent.barrier_start),
+        _ => barrier.map(|barrier| barrier.barrier_start),
     };
     // There is no option for where the barrier starts.
-    let allowed = setting.allowed.replace("barrier_start", &start.to_string());
+    let allowed = start.map_or_else(
+        || setting.allowed.to_owned(),
+        |start| setting.allowed.replace("barrier_start", &start.to_string()),
+    );
     Some(format!("--{} must be {allowed}, got {}", setting.name.replace('_', "-"), setting.value))
 }
 
@@ -270,16 +285,5 @@ mod tests {
         };
         assert_eq!(not_run("--solver all"), ["too large"]);
         assert_eq!(not_run("--solver abf,lscm"), [""; 0]);
-    }
-
-    #[test]
-    fn the_point_of_the_grid_is_that_of_the_library() {
-        for solver in SolverKind::ALL {
-            let pipeline = Pipeline { solver, ..Pipeline::default() };
-            let shown = pipeline.angle_solver().map(|solver| solver.name());
-            assert_eq!(shown.is_some(), keeps_constraints(solver) && solver != SolverKind::Auto);
-            let has_a_target = keeps_constraints(solver) && !makes_passes(solver) && solver != SolverKind::Barrier;
-            assert_eq!(pipeline.newton_settings().is_some(), has_a_target, "{solver}");
-        }
     }
 }

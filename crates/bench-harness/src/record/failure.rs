@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn causes_are_told_once() {
         let cause = abf::solve_core::LinearError::NoSolution { relative_residual: 0.5 };
-        let error = FlattenError::Solve { solver: "linabf", source: cause.into() };
+        let error = FlattenError::Solve { solver: abf::SolverKind::LinAbf, source: cause.into() };
         let text = chain(&error);
         assert_eq!(text.matches("linear solve failed").count(), 1, "{text}");
         assert!(text.starts_with("the solver 'linabf' found no angles: the linear system"), "{text}");

@@ -7,7 +7,6 @@ pub(crate) mod failure;
 mod hints;
 pub(crate) mod history;
 mod json;
-pub(crate) mod kinds;
 mod not_run;
 pub(crate) mod number;
 mod outcome;

@@ -135,7 +135,7 @@ impl Run {
         let history = solution.map_or(&[][..], AngleSolution::history);
         let last = history.last();
         let settings = Asked::new(pipeline);
-        let has_a_fixed_target = !matches!(flat.solver, SolverKind::LinAbf | SolverKind::Lscm);
+        let has_a_fixed_target = flat.solver.finds_angles() && !flat.solver.makes_passes();
         let seconds = rung_seconds.iter().copied().chain(std::iter::repeat(0.0));
         let is_diagonal = (settings.wheel, settings.hessian) != (Some(WheelForm::Product), Some(Hessian::Exact));
         Self {

@@ -1,7 +1,6 @@
 //! The settings of a run, as they are in the JSON.
 
 use super::accuracy::InnerAccuracy;
-use super::kinds::{has_a_barrier, iterates_inside, keeps_constraints, makes_passes};
 use super::text::{as_optional_text, as_text};
 use abf::solve_core::InnerTolerance;
 use abf::{Hessian, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, WheelForm, ZeroArea};
@@ -63,19 +62,18 @@ pub(crate) struct Asked {
 impl Asked {
     /// The settings of a pipeline.
     pub(crate) fn new(pipeline: &Pipeline) -> Self {
-        let solver = pipeline.solver;
-        let newton = pipeline.newton_settings();
-        let iterative = iterates_inside(solver).then_some(pipeline.iterative);
+        let solver = &pipeline.solver;
+        let (newton, iterative) = (solver.newton_settings(), solver.iterative_settings());
         Self {
-            passes: makes_passes(solver).then_some(pipeline.passes),
+            passes: solver.passes(),
             wheel: newton.map(|newton| newton.wheel),
             hessian: newton.map(|newton| newton.hessian),
             line_search: newton.map(|newton| newton.line_search),
             reduction: iterative.map(|iterative| iterative.reduction),
             preconditioner: iterative.map(|iterative| iterative.preconditioner),
             max_inner_iterations: iterative.map(|iterative| iterative.max_inner_iterations),
-            inner_tolerance: iterative.map(|_| InnerAccuracy(pipeline.inner_tolerance)),
-            barrier_floor: has_a_barrier(solver).then_some(pipeline.descent.barrier_floor),
+            inner_tolerance: iterative.and(newton).map(|newton| InnerAccuracy(newton.inner_tolerance)),
+            barrier_floor: solver.barrier_floor(),
             layout: pipeline.layout.kind,
             ring_switch: pipeline.estimate.ring_switch,
             angle_bound: pipeline.estimate.angle_bound,
@@ -85,7 +83,7 @@ impl Asked {
             zero_area: pipeline.zero_area,
             normalize: pipeline.normalize,
             threads: rayon::current_num_threads(),
-            keeps_constraints: keeps_constraints(solver),
+            keeps_constraints: solver.kind().keeps_constraints(),
         }
     }
 }

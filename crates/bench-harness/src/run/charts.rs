@@ -46,7 +46,7 @@ pub(crate) fn charts(
     if keeps && !says_more && hints.uv.is_none() && hints.face_labels.is_none() {
         return Err(Failure::no_seams(&loaded.name));
     }
-    let unwrap = Unwrap { pipeline: Pipeline { normalize: false, ..*pipeline }, ..charting.unwrap };
+    let unwrap = Unwrap { pipeline: Pipeline { normalize: false, ..pipeline.clone() }, ..charting.unwrap.clone() };
     let unwrapped = unwrap.run(mesh, &hints, observer).map_err(|e| Failure::unwrap(&loaded.name, &e, loaded.fanned))?;
     let charts_s = begin.elapsed().as_secs_f64();
     let stored: (Stored, Precision) = match (charting.to_gltf, pipeline.precision) {

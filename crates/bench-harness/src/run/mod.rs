@@ -12,7 +12,6 @@ use crate::cli::charts::Charting;
 use crate::cli::methods::Method;
 use crate::record::failure::Failure;
 use crate::record::history::History;
-use crate::record::kinds::finds_angles;
 use crate::record::{Kkt, Quality, Record, Run, Size, Stages, Timings};
 use crate::run::cancel::Cancel;
 use crate::run::charts::{Charts, charts};
@@ -67,7 +66,7 @@ pub(crate) fn flatten(
         return Record { not_run: Some(not_run), ..record }.into();
     }
     let (triangles, vertices) = (loaded.mesh.face_count(), loaded.mesh.vertex_count());
-    record.predicted_memory_bytes = Some(abf::predict_memory(&method.pipeline, triangles, vertices));
+    record.predicted_memory_bytes = Some(abf::predict_memory(&method.pipeline.solver, triangles, vertices));
     if cancel.is_asked() {
         return Record { error: Some(Failure::cancelled(&loaded.name)), ..record }.into();
     }
@@ -112,7 +111,7 @@ pub(crate) fn flatten(
         total,
     });
     record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
-    record.kkt = finds_angles(method.pipeline.solver).then(|| Kkt::new(flat.kkt));
+    record.kkt = method.pipeline.solver.kind().finds_angles().then(|| Kkt::new(flat.kkt));
     record.hint = advice::next_to_try(&record);
     record.overlap = advice::overlap(&record);
     record.climb = advice::climb(&record);

@@ -158,11 +158,8 @@ fn faces(first: &[usize], count: usize) -> String {
 }
 
 fn steps(solver: SolverKind, n: usize) -> String {
-    match solver {
-        SolverKind::LinAbf => count(n, "pass", "passes"),
-        SolverKind::Descent => count(n, "step", "steps"),
-        _ => count(n, "iteration", "iterations"),
-    }
+    let [one, many] = solver.iteration_names();
+    count(n, one, many)
 }
 
 /// How the solver ended, in words.

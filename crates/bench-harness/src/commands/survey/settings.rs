@@ -54,7 +54,7 @@ impl Survey {
     /// The settings that results depend on, for comparing: two surveys with the same text agree. How many
     /// threads and jobs there are makes no difference, and what was refused for want of memory is tried again anyway.
     pub(super) fn settings(&self) -> String {
-        let pipeline = Pipeline { max_memory: None, ..self.method.pipeline };
+        let pipeline = Pipeline { max_memory: None, ..self.method.pipeline.clone() };
         format!("{} {pipeline:?} {:?}", env!("CARGO_PKG_VERSION"), self.charting)
     }
 
@@ -82,23 +82,25 @@ pub(super) fn difference<'a>(before: &'a str, now: &'a str) -> Option<[&'a str; 
     // The name of a field stands before its value: what is the same ends inside a value, or in the name of its type.
     let value = before[..common].rfind(": ").map_or(0, |colon| colon + ": ".len());
     let name = before[..value].trim_end_matches(": ").rsplit(' ').next().unwrap_or_default();
-    let end = |text: &'a str| text[value..].split([',', '}']).next().unwrap_or_default().trim_end();
+    let end = |text: &'a str| text[value..].split([',', '{', '}']).next().unwrap_or_default().trim_end();
     Some([name, end(before), end(now)])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abf::{SolverKind, StopCriteria};
+    use abf::{Ladder, LinAbf, StopCriteria};
 
     #[test]
     fn the_setting_that_differs_is_named_with_both_values() {
         let text = |pipeline: Pipeline| format!("1.0.0 {pipeline:?}");
         let plain = text(Pipeline::default());
+        let linabf = LinAbf { passes: "1".parse().expect("one") };
+        let one_pass = Ladder { linabf, ..Ladder::default() };
         let tight = StopCriteria { tolerance: 1e-9, ..StopCriteria::default() };
         for (other, expected) in [
-            (Pipeline { solver: SolverKind::LinAbf, ..Pipeline::default() }, ["solver", "Auto", "LinAbf"]),
-            (Pipeline { passes: "1".parse().expect("one"), ..Pipeline::default() }, ["passes", "Auto", "Exactly(1)"]),
+            (Pipeline { solver: LinAbf::default().into(), ..Pipeline::default() }, ["solver", "Ladder", "LinAbf"]),
+            (Pipeline { solver: one_pass.into(), ..Pipeline::default() }, ["passes", "Auto", "Exactly(1)"]),
             (Pipeline { stop: tight, ..Pipeline::default() }, ["tolerance", "1e-8", "1e-9"]),
             (Pipeline { normalize: true, ..Pipeline::default() }, ["normalize", "false", "true"]),
         ] {

@@ -7,7 +7,13 @@
 
 use std::num::NonZeroUsize;
 
-use crate::{Hessian, Passes, Pipeline, PreconditionerKind, Reduction, SolverKind, WheelForm};
+use crate::settings::Solver;
+use abf_constraints::WheelForm;
+use abf_solve_abf_newton::{AbfNewton, Inner};
+use abf_solve_core::{Hessian, IterativeSettings, PreconditionerKind, Reduction};
+use abf_solve_linabf::{LinAbf, Passes};
+use abf_solve_minres::Minres;
+use abf_solve_uzawa::Uzawa;
 
 /// What the fit to these disks leaves open, for meshes whose factors are fuller than theirs.
 const MARGIN: f64 = 1.2;
@@ -64,96 +70,68 @@ impl Growth {
     }
 }
 
-/// About how many bytes [`Pipeline::run`] takes at most at a time, the mesh and reading it included, for a
+/// About how many bytes [`Pipeline::run`](crate::Pipeline::run) takes at most at a time, the mesh and reading it included, for a
 /// disk of so many triangles and vertices.
 ///
 /// It is above what is measured, and mostly below twice that: round meshes with vertices of about six faces come
 /// close to it, long ones and those with few interior vertices take less. Of [`SolverKind::Auto`] it is what its last rung
 /// takes, a multiple of the first, which mostly is enough. Not in it: the code, thread
-/// stacks, and the scratch of the matrix library, which is sized after the processor's caches.
+/// stacks, what a solver of a user's own takes, and the scratch of the matrix library, which is sized after the processor's caches.
 #[must_use]
-pub fn predict_memory(pipeline: &Pipeline, triangles: usize, vertices: usize) -> u64 {
+pub fn predict_memory(solver: &Solver, triangles: usize, vertices: usize) -> u64 {
     // A disk has at most two vertices more than triangles, and mostly half as many.
     let unused = vertices.saturating_sub(triangles) as u64;
-    let bytes = MARGIN * growth(pipeline).at(triangles);
+    let bytes = MARGIN * growth(solver).at(triangles);
     (bytes as u64).saturating_add(AT_LEAST).saturating_add(BYTES_PER_VERTEX.saturating_mul(unused))
 }
 
-fn growth(pipeline: &Pipeline) -> Growth {
-    let settings = pipeline.newton_settings();
-    let point = settings.map(|settings| (settings.wheel, settings.hessian));
-    match pipeline.solver {
-        SolverKind::LinAbf if pipeline.passes == Passes::Exactly(NonZeroUsize::MIN) => ONE_PASS,
-        SolverKind::LinAbf => LEAN,
-        SolverKind::Lscm => LSCM,
-        SolverKind::Abf => WHOLE_LU,
-        SolverKind::AbfPlusPlus | SolverKind::AbfNewton | SolverKind::AbfFixedTarget => match point {
-            Some((WheelForm::Product, Hessian::Exact)) => WHOLE_LU,
-            Some((WheelForm::Log, Hessian::GaussNewton)) => FROZEN,
-            _ => DIRECT,
+fn growth(solver: &Solver) -> Growth {
+    match solver {
+        Solver::LinAbf(LinAbf { passes: Passes::Exactly(NonZeroUsize::MIN) }) => ONE_PASS,
+        Solver::LinAbf(_) => LEAN,
+        // What a solver of a user's own takes is not known here; the mesh and a layout are.
+        Solver::Lscm | Solver::Custom(_) => LSCM,
+        Solver::Newton(AbfNewton { inner: Inner::FullKkt, .. }) => WHOLE_LU,
+        Solver::Newton(AbfNewton { newton, .. }) => match (newton.wheel, newton.hessian) {
+            (WheelForm::Product, Hessian::Exact) => WHOLE_LU,
+            (WheelForm::Log, Hessian::GaussNewton) => FROZEN,
+            (WheelForm::Product, Hessian::GaussNewton) | (WheelForm::Log, Hessian::Exact) => DIRECT,
         },
-        SolverKind::Uzawa | SolverKind::Minres => {
-            let iterative = pipeline.iterative;
-            match (iterative.reduction, iterative.preconditioner) {
-                (Reduction::None, PreconditionerKind::Block) => WHOLE_ITERATIVE,
-                (Reduction::Triangles, PreconditionerKind::Block) if pipeline.solver == SolverKind::Minres => MINRES,
-                (Reduction::Triangles, PreconditionerKind::Block) => UZAWA,
-                (_, PreconditionerKind::None | PreconditionerKind::Jacobi) => NO_FACTOR,
-            }
-        }
-        SolverKind::Barrier => BARRIER,
-        SolverKind::Descent | SolverKind::Auto => DESCENT,
+        Solver::Uzawa(Uzawa { iterative, .. }) => of_iterations(iterative, UZAWA),
+        Solver::Minres(Minres { iterative, .. }) => of_iterations(iterative, MINRES),
+        Solver::Barrier(_) => BARRIER,
+        Solver::Descent(_) | Solver::Auto(_) => DESCENT,
+    }
+}
+
+/// An inner method, of which this is known with the blocks of the reduced system factored.
+fn of_iterations(settings: &IterativeSettings, reduced: Growth) -> Growth {
+    match (settings.reduction, settings.preconditioner) {
+        (Reduction::None, PreconditionerKind::Block) => WHOLE_ITERATIVE,
+        (Reduction::Triangles, PreconditionerKind::Block) => reduced,
+        (_, PreconditionerKind::None | PreconditionerKind::Jacobi) => NO_FACTOR,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Event, FlattenError, Observer, Verdict};
-    use abf_shapes::Shape;
 
     #[test]
     fn larger_meshes_take_more_whatever_the_method_and_no_count_overflows() {
-        for solver in SolverKind::ALL {
-            let pipeline = Pipeline { solver, ..Pipeline::default() };
+        for solver in Solver::all() {
             let sizes = [0, 1, 2, 100, 10_000, 1_000_000, usize::MAX];
-            let bytes = sizes.map(|n| predict_memory(&pipeline, n, n / 2));
+            let bytes = sizes.map(|n| predict_memory(&solver, n, n / 2));
             assert!(bytes.is_sorted() && bytes[0] > 0, "{solver}: {bytes:?}");
-            assert!(predict_memory(&pipeline, 100, usize::MAX) > predict_memory(&pipeline, 100, 60));
+            assert!(predict_memory(&solver, 100, usize::MAX) > predict_memory(&solver, 100, 60));
         }
     }
 
     #[test]
     fn no_other_solver_of_angles_takes_less_than_linabf() {
-        let bytes = |solver| predict_memory(&Pipeline { solver, ..Pipeline::default() }, 100_000, 50_000);
-        for solver in SolverKind::ALL.into_iter().filter(|&solver| solver != SolverKind::Lscm) {
-            assert!(bytes(solver) >= bytes(SolverKind::LinAbf), "{solver}");
+        let bytes = |solver: &Solver| predict_memory(solver, 100_000, 50_000);
+        for solver in Solver::all().into_iter().filter(|solver| solver.kind().finds_angles()) {
+            assert!(bytes(&solver) >= bytes(&LinAbf::default().into()), "{solver}");
         }
-    }
-
-    /// An observer that hears nothing, for nothing is begun.
-    struct Deaf;
-
-    impl Observer for Deaf {
-        fn observe(&mut self, event: Event<'_>) -> Verdict {
-            panic!("{event:?}")
-        }
-    }
-
-    #[test]
-    fn a_mesh_over_the_limit_is_refused_before_anything_is_done() {
-        let mesh = Shape::BumpySheet.mesh(2000);
-        let refused = |solver, limit| {
-            let pipeline = Pipeline { solver, max_memory: Some(limit), ..Pipeline::default() };
-            pipeline.run(&mesh, &mut Deaf).unwrap_err()
-        };
-        let (triangles, limit) = (mesh.face_count(), 2_000_000);
-        let error = refused(SolverKind::Uzawa, limit);
-        let FlattenError::Memory { solver: "uzawa", predicted, leaner: Some(("linabf", bytes)), .. } = error else {
-            panic!("{error:?}")
-        };
-        assert!(predicted > limit && bytes <= limit, "{error}");
-        assert!(error.to_string().contains(&format!("for {triangles} triangles, and the limit is 2.0 MB")), "{error}");
-        assert!(matches!(refused(SolverKind::LinAbf, 1000), FlattenError::Memory { leaner: None, .. }));
     }
 }

@@ -1,27 +1,48 @@
 //! One solver on one problem, from angles or positions to certified UVs.
 
-use crate::pipeline::begin;
-use crate::{FlattenError, Flattening, LayoutReport, Pipeline, PrecisionLimits, SolverKind};
+use crate::settings::{Pipeline, SolverKind};
+use crate::{FlattenError, Flattening, LayoutReport, PrecisionLimits};
 use abf_constraints::{AngleProblem, KktCounts, WheelForm};
-use abf_control::{Event, Observer, Stage, Termination, ask};
+use abf_control::{Cancelled, Event, Observer, Stage, StopCriteria, Termination, Verdict, ask};
+use abf_embed::Descent;
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap};
 use abf_metrics::{Certificate, certify_connected};
 use abf_reconstruct::{Layout, LayoutKind, LayoutSettings, aligned, layout};
-use abf_solve_core::AngleSolution;
+use abf_solve_core::{AngleSolution, AngleSolver};
 
-/// A problem, and how to solve it.
+/// A problem, and what is asked of it whichever solver it is.
 #[derive(Clone, Copy)]
-pub(crate) struct Task<'t> {
-    pub(crate) pipeline: Pipeline,
+pub(super) struct Given<'t> {
+    pub(super) pipeline: &'t Pipeline,
     /// The mesh as it was given.
-    pub(crate) original: &'t TriMesh,
+    pub(super) original: &'t TriMesh,
     /// The mesh that is worked on: the same, or scaled into the range of doubles.
-    pub(crate) mesh: &'t TriMesh,
+    pub(super) mesh: &'t TriMesh,
     /// By what power of two it is scaled.
-    pub(crate) scale: f64,
-    pub(crate) problem: &'t AngleProblem<'t>,
+    pub(super) scale: f64,
+    pub(super) problem: &'t AngleProblem<'t>,
+}
+
+/// How one solver gets to UVs.
+#[derive(Clone, Copy)]
+pub(super) enum Single<'t> {
+    /// It finds angles, and these are laid out.
+    Angles(&'t dyn AngleSolver),
+    /// It moves the vertices.
+    Positions(&'t Descent),
+    /// The angles of the surface are laid out as they are.
+    SurfaceAngles,
+}
+
+/// One solver on one problem.
+#[derive(Clone, Copy)]
+pub(super) struct Task<'t> {
+    pub(super) given: Given<'t>,
+    pub(super) solver: SolverKind,
+    pub(super) method: Single<'t>,
+    pub(super) stop: StopCriteria,
     /// A valid drawing for the descent to start from, one point per vertex; otherwise it is Tutte's embedding.
-    pub(crate) start: Option<&'t [Point2<f64>]>,
+    pub(super) start: Option<&'t [Point2<f64>]>,
 }
 
 /// UVs as they will be stored, and what is proved of them.
@@ -30,34 +51,29 @@ struct Certified {
     certificate: Certificate,
 }
 
-impl Task<'_> {
-    /// Runs the one solver of the pipeline.
-    pub(crate) fn run(&self, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
-        match self.pipeline.solver {
-            SolverKind::Descent => self.descend(observer),
-            _ => self.solve_and_lay_out(observer),
-        }
+impl<'t> Task<'t> {
+    /// With the stopping criteria of the pipeline.
+    pub(super) fn new(given: Given<'t>, solver: SolverKind, method: Single<'t>) -> Self {
+        Self { given, solver, method, stop: given.pipeline.stop, start: None }
     }
 
-    fn solve_and_lay_out(&self, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+    /// Runs the solver.
+    pub(super) fn run(&self, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         begin(observer, Stage::Solve)?;
-        let solution = self.solve(observer)?;
-        self.laid_out(solution, self.layout_settings(), observer)
-    }
-
-    /// `None` for LSCM, which solves for no angles.
-    fn solve(&self, observer: &mut dyn Observer) -> Result<Option<AngleSolution>, FlattenError> {
-        let Some(solver) = self.pipeline.angle_solver() else { return Ok(None) };
-        let solution = solver.solve(self.problem, &self.pipeline.stop, observer);
-        solution.map(Some).map_err(|source| FlattenError::of_solver(solver.name(), source))
-    }
-
-    fn layout_settings(&self) -> LayoutSettings {
-        let mut settings = self.pipeline.layout;
-        if self.pipeline.solver == SolverKind::Lscm && settings.kind == LayoutKind::Auto {
-            settings.kind = LayoutKind::LeastSquaresWeighted;
+        let layout = self.given.pipeline.layout;
+        match self.method {
+            Single::Angles(solver) => {
+                let solution = solver.solve(self.given.problem, &self.stop, observer);
+                let solution = solution.map_err(|source| FlattenError::of_solver(self.solver, source))?;
+                self.laid_out(Some(solution), layout, observer)
+            }
+            Single::Positions(descent) => self.descend(descent, observer),
+            Single::SurfaceAngles => {
+                let weighted = LayoutSettings { kind: LayoutKind::LeastSquaresWeighted, ..layout };
+                let layout = if layout.kind == LayoutKind::Auto { weighted } else { layout };
+                self.laid_out(None, layout, observer)
+            }
         }
-        settings
     }
 
     /// Lays out the angles of a solution, or those of the surface.
@@ -69,10 +85,10 @@ impl Task<'_> {
     ) -> Result<Flattening, FlattenError> {
         // A stopped solve still has angles worth laying out.
         ask(observer, Event::StageStarted(Stage::Layout))?;
-        let angles = solution.as_ref().map_or(self.problem.mesh_angles(), AngleSolution::angles);
+        let angles = solution.as_ref().map_or(self.given.problem.mesh_angles(), AngleSolution::angles);
         let Layout { uv, kind, linear, closing_error, moved_angles } =
-            layout(self.mesh, self.problem.topology(), angles, &settings)?;
-        let uv = if self.pipeline.normalize { uv.normalized() } else { uv };
+            layout(self.given.mesh, self.given.problem.topology(), angles, &settings)?;
+        let uv = if self.given.pipeline.normalize { uv.normalized() } else { uv };
         ask(observer, Event::StageStarted(Stage::Certificate))?;
         let certified = self.certified(uv)?;
         let report = LayoutReport {
@@ -80,7 +96,7 @@ impl Task<'_> {
             linear_residual: linear.map(|stats| stats.relative_residual),
             closing_error,
             moved_angles,
-            pinned: !self.pipeline.normalize,
+            pinned: !self.given.pipeline.normalize,
             scaled: true,
         };
         Ok(self.flattening(certified, solution, report, &[]))
@@ -88,22 +104,21 @@ impl Task<'_> {
 
     /// The same angles by least squares, which averages what the tree carries from triangle to triangle. An error means
     /// no better result.
-    pub(crate) fn laid_out_again(&self, flat: &Flattening, observer: &mut dyn Observer) -> Option<Flattening> {
-        let settings = LayoutSettings { kind: LayoutKind::LeastSquares, ..self.pipeline.layout };
+    pub(super) fn laid_out_again(&self, flat: &Flattening, observer: &mut dyn Observer) -> Option<Flattening> {
+        let settings = LayoutSettings { kind: LayoutKind::LeastSquares, ..self.given.pipeline.layout };
         self.laid_out(flat.solution.clone(), settings, observer).ok()
     }
 
     /// The descent, from a drawing that is there or from Tutte's embedding.
-    fn descend(&self, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
-        begin(observer, Stage::Solve)?;
-        let Pipeline { descent, stop, .. } = &self.pipeline;
-        let descended = descent.solve(self.mesh, self.problem, self.start, stop, observer)?;
+    fn descend(&self, descent: &Descent, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+        let Given { mesh, problem, .. } = self.given;
+        let descended = descent.solve(mesh, problem, self.start, &self.stop, observer)?;
         ask(observer, Event::StageStarted(Stage::Layout))?;
         let candidates = self.placements(&descended.uv, descended.area_matched);
         ask(observer, Event::StageStarted(Stage::Certificate))?;
         let (certified, pinned, scaled) = self.first_valid(candidates)?;
         let solution =
-            AngleSolution::measure(self.problem, descended.angles, descended.termination, descended.iterations);
+            AngleSolution::measure(self.given.problem, descended.angles, descended.termination, descended.iterations);
         let report =
             LayoutReport { kind: None, linear_residual: None, closing_error: None, moved_angles: 0, pinned, scaled };
         Ok(self.flattening(certified, Some(solution), report, &descended.held))
@@ -112,10 +127,10 @@ impl Task<'_> {
     /// Where a drawing may be put, the best place first: where every layout is, then without moving and turning it,
     /// then as it is. Each with whether it is pinned and whether it has the scale asked for.
     fn placements(&self, uv: &[Point2<f64>], area_matched: bool) -> Vec<(UvMap, bool, bool)> {
-        let as_it_is = UvMap::per_vertex(self.mesh, uv);
-        let aligned = aligned(self.mesh, self.problem.topology(), uv);
+        let as_it_is = UvMap::per_vertex(self.given.mesh, uv);
+        let aligned = aligned(self.given.mesh, self.given.problem.topology(), uv);
         let mut places = Vec::new();
-        if self.pipeline.normalize {
+        if self.given.pipeline.normalize {
             places.extend(aligned.map(|uv| (uv.normalized(), false, true)));
             places.push((as_it_is.clone().normalized(), false, true));
             places.push((as_it_is, false, false));
@@ -140,10 +155,10 @@ impl Task<'_> {
     }
 
     fn certified(&self, uv: UvMap) -> Result<Certified, FlattenError> {
-        let precision = self.pipeline.precision;
-        let scale = if self.pipeline.normalize { 1.0 } else { self.scale };
+        let precision = self.given.pipeline.precision;
+        let scale = if self.given.pipeline.normalize { 1.0 } else { self.given.scale };
         let uv = uv.mapped(|p| p.map(|x| precision.round(x / scale)));
-        let certificate = certify_connected(self.original, self.problem.topology(), &uv, precision)?;
+        let certificate = certify_connected(self.given.original, self.given.problem.topology(), &uv, precision)?;
         Ok(Certified { uv, certificate })
     }
 
@@ -157,20 +172,31 @@ impl Task<'_> {
         let Certified { uv, certificate } = certified;
         let constraint_residual = solution.as_ref().map(AngleSolution::constraint_residual);
         let certificate = Certificate { constraint_residual, ..certificate };
-        let starts_from_an_estimate = !matches!(self.pipeline.solver, SolverKind::Lscm | SolverKind::Descent);
+        let starts_from_an_estimate = match self.method {
+            Single::Angles(_) => true,
+            Single::Positions(_) | Single::SurfaceAngles => false,
+        };
         Flattening {
             uv,
             precision_limits: PrecisionLimits::of(&certificate, held),
             certificate,
-            solver: self.pipeline.solver,
+            solver: self.solver,
             termination: solution.as_ref().map_or(Termination::OnePass, AngleSolution::termination),
             layout,
-            interior_vertices: self.problem.rows().interior_count(),
-            kkt: [WheelForm::Log, WheelForm::Product].map(|form| KktCounts::of(form, self.problem.rows())),
-            shapeless_faces: self.problem.shapeless_faces(),
-            switched_rings: if starts_from_an_estimate { self.problem.switched_rings() } else { 0 },
+            interior_vertices: self.given.problem.rows().interior_count(),
+            kkt: [WheelForm::Log, WheelForm::Product].map(|form| KktCounts::of(form, self.given.problem.rows())),
+            shapeless_faces: self.given.problem.shapeless_faces(),
+            switched_rings: if starts_from_an_estimate { self.given.problem.switched_rings() } else { 0 },
             solution,
             rungs: Vec::new(),
         }
+    }
+}
+
+/// Reports a stage before which there is no result to keep.
+pub(super) fn begin(observer: &mut dyn Observer, stage: Stage) -> Result<(), FlattenError> {
+    match observer.observe(Event::StageStarted(stage)) {
+        Verdict::Continue => Ok(()),
+        Verdict::Stop | Verdict::Abort => Err(FlattenError::Cancelled(Cancelled)),
     }
 }

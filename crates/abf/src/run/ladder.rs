@@ -1,12 +1,14 @@
-//! [`SolverKind::Auto`]: one solver after the other, until a result is certified.
+//! [`Solver::Auto`]: one solver after the other, until a result is certified.
 //!
 //! A rung is certified when its UVs are valid as they will be written *and* its solver ended as asked. The cheap rungs
 //! come first and give up early where they are hopeless; the last cannot leave the valid drawings. What is valid and
 //! not converged is kept, and the ladder goes on. When nothing is certified the best there is comes out: valid before
 //! not valid, then fewer bad triangles, then the smaller F.
 
-use crate::task::Task;
-use crate::{FlattenError, Flattening, Pipeline, RungReport, SolverKind};
+use super::check_memory;
+use super::task::{Given, Single, Task};
+use crate::settings::{Ladder, Solver, SolverKind};
+use crate::{FlattenError, Flattening, RungReport};
 use abf_control::{Cancelled, Event, Observer, StopCriteria, Termination, TimeBudget, Verdict};
 use abf_embed::{EmbedError, vertex_points};
 use abf_mesh::{Point2, TriMesh};
@@ -15,46 +17,54 @@ use abf_solve_core::AngleSolution;
 use std::cmp::Ordering;
 
 /// One solver of the ladder.
-struct Rung {
-    solver: SolverKind,
+struct Rung<'l> {
+    solver: Solver,
+    method: Single<'l>,
     /// At most so many iterations, whatever was asked for.
     most_iterations: usize,
 }
 
-/// The ladder, from the bottom.
-///
-/// LinABF stops by itself when its passes no longer help. Steps with a fixed target that converge at all take about a
-/// dozen; 25 leave room.
-const RUNGS: &[Rung] = &[
-    Rung { solver: SolverKind::LinAbf, most_iterations: usize::MAX },
-    Rung { solver: SolverKind::AbfFixedTarget, most_iterations: 25 },
-    Rung { solver: SolverKind::Barrier, most_iterations: usize::MAX },
-    Rung { solver: SolverKind::Descent, most_iterations: usize::MAX },
-];
+/// Steps with a fixed target that converge at all take about a dozen; this leaves room.
+const MOST_FIXED_TARGET_STEPS: usize = 25;
+
+/// The ladder, from the bottom. LinABF stops by itself when its passes no longer help.
+fn rungs(ladder: &Ladder) -> [Rung<'_>; 4] {
+    let Ladder { linabf, newton, barrier, descent } = ladder;
+    let any = usize::MAX;
+    [
+        Rung { solver: (*linabf).into(), method: Single::Angles(linabf), most_iterations: any },
+        Rung { solver: (*newton).into(), method: Single::Angles(newton), most_iterations: MOST_FIXED_TARGET_STEPS },
+        Rung { solver: (*barrier).into(), method: Single::Angles(barrier), most_iterations: any },
+        Rung { solver: (*descent).into(), method: Single::Positions(descent), most_iterations: any },
+    ]
+}
 
 /// Climbs until a rung is certified.
-pub(crate) fn climb(task: &Task<'_>, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
-    let budget = TimeBudget::start(&task.pipeline.stop);
+pub(super) fn climb(
+    given: &Given<'_>,
+    ladder: &Ladder,
+    observer: &mut dyn Observer,
+) -> Result<Flattening, FlattenError> {
+    let budget = TimeBudget::start(&given.pipeline.stop);
     let observer = &mut Hearing { observer, is_aborted: false };
-    let mut climb = Climb { mesh: task.original, best: None, rungs: Vec::new(), first_error: None };
-    for rung in RUNGS {
-        let interruption = climb.interruption(&budget, rung.solver, observer);
+    let mut climb = Climb { mesh: given.original, best: None, rungs: Vec::new(), first_error: None };
+    for Rung { solver, method, most_iterations } in rungs(ladder) {
+        let kind = solver.kind();
+        let interruption = climb.interruption(&budget, kind, observer);
         observer.aborted()?;
         if let Some(interruption) = interruption {
             return climb.end(Some(interruption));
         }
         let left = budget.left();
-        let stop = StopCriteria { max_iterations: left.max_iterations.min(rung.most_iterations), ..left };
-        // The options of the Newton solvers concern those that are named.
-        let named_only = Pipeline { wheel: None, hessian: None, ..task.pipeline };
-        let start = climb.drawing(task, rung.solver);
-        let pipeline = Pipeline { solver: rung.solver, stop, ..named_only };
-        let task = Task { pipeline, start: start.as_deref(), ..*task };
+        let stop = StopCriteria { max_iterations: left.max_iterations.min(most_iterations), ..left };
+        let start = climb.drawing(given, method);
+        let task = Task { stop, start: start.as_deref(), ..Task::new(*given, kind, method) };
         // A rung that would take too much is left out: what is below it has its result.
-        let result = task.pipeline.check_memory(task.mesh).and_then(|()| climb.attempt(&task, observer));
+        let fits = check_memory(&solver, kind, given.pipeline.max_memory, given.mesh);
+        let result = fits.and_then(|()| climb.attempt(&task, observer));
         // An aborted climb has no result, even where an earlier rung has one.
         observer.aborted()?;
-        if climb.take(rung.solver, result) {
+        if climb.take(kind, result) {
             break;
         }
     }
@@ -113,13 +123,17 @@ impl Climb<'_> {
     }
 
     /// The valid drawing of an earlier rung, for the rung that can start from one.
-    fn drawing(&self, task: &Task<'_>, next: SolverKind) -> Option<Vec<Point2<f64>>> {
-        let best = self.best.as_ref().filter(|best| next == SolverKind::Descent && best.report.valid)?;
+    fn drawing(&self, given: &Given<'_>, next: Single<'_>) -> Option<Vec<Point2<f64>>> {
+        let starts_from_one = match next {
+            Single::Positions(_) => true,
+            Single::Angles(_) | Single::SurfaceAngles => false,
+        };
+        let best = self.best.as_ref().filter(|best| starts_from_one && best.report.valid)?;
         // A mirrored drawing is valid, too.
         let is_upright = best.flat.uv.signed_area() > 0.0;
-        let points = vertex_points(task.problem.topology(), &best.flat.uv).ok().filter(|_| is_upright)?;
+        let points = vertex_points(given.problem.topology(), &best.flat.uv).ok().filter(|_| is_upright)?;
         // As large as the mesh that is worked on: the areas of some would underflow.
-        let scale = if task.pipeline.normalize { 1.0 } else { task.scale };
+        let scale = if given.pipeline.normalize { 1.0 } else { given.scale };
         Some(points.into_iter().map(|p| p * scale).collect())
     }
 
@@ -127,7 +141,7 @@ impl Climb<'_> {
         let flat = task.run(observer)?;
         let is_interrupted = matches!(flat.termination, Termination::TimeLimit | Termination::Cancelled);
         let may_choose = !is_interrupted
-            && task.pipeline.layout.kind == LayoutKind::Auto
+            && task.given.pipeline.layout.kind == LayoutKind::Auto
             && flat.layout.kind == Some(LayoutKind::Tree);
         if flat.certificate.valid() || !may_choose {
             return Ok(flat);

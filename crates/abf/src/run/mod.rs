@@ -1,0 +1,159 @@
+//! From a mesh to its UVs.
+
+mod ladder;
+mod task;
+
+use crate::settings::{Method, Pipeline, Solver, SolverKind, ZeroArea, predict_memory};
+use crate::{FlattenError, Flattening};
+use abf_constraints::AngleProblem;
+use abf_control::{Observer, Silent, Stage};
+use abf_mesh::{GeometryError, Topology, TriMesh};
+use abf_reconstruct::LayoutKind;
+use abf_solve_linabf::LinAbf;
+use ladder::climb;
+use task::{Given, Single, Task, begin};
+
+/// What a surface has to be.
+#[derive(Clone, Copy)]
+enum Shape {
+    Disk,
+    Any,
+}
+
+/// Flattens a disk with the default settings.
+///
+/// # Errors
+/// [`FlattenError`]; a result that is not converged or not flip-free is a result that says so.
+pub fn flatten(mesh: &TriMesh) -> Result<Flattening, FlattenError> {
+    Pipeline::default().run(mesh, &mut Silent)
+}
+
+impl Pipeline {
+    /// Flattens a disk.
+    ///
+    /// # Errors
+    /// [`FlattenError`] when there is no usable result at all.
+    pub fn run(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+        self.run_on(mesh, Shape::Disk, observer)
+    }
+
+    /// Flattens a component without handles as if its holes were not there: nothing sees to it that they close.
+    ///
+    /// # Errors
+    /// [`FlattenError`] when there is no usable result at all.
+    pub(crate) fn run_unclosed(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+        self.run_on(mesh, Shape::Any, observer)
+    }
+
+    fn run_on(&self, mesh: &TriMesh, shape: Shape, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+        self.check_layout()?;
+        self.check_memory(mesh)?;
+        self.solver.check()?;
+        begin(observer, Stage::Topology)?;
+        // No faces is the more useful complaint, so topology comes before geometry.
+        let in_range = mesh.in_range();
+        let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
+        let (topology, angles) =
+            rayon::join(|| Topology::build(mesh.vertex_count(), mesh.faces()), || self.corner_angles(mesh, working));
+        let topology = topology?;
+        let problem = match shape {
+            Shape::Disk => AngleProblem::new(&topology, angles?, self.estimate)?,
+            Shape::Any => AngleProblem::unclosed(&topology, angles?, self.estimate)?,
+        };
+        let given = Given { pipeline: self, original: mesh, mesh: working, scale, problem: &problem };
+        let solver = self.solver.kind();
+        match self.solver.method() {
+            Method::Ladder(ladder) => climb(&given, ladder, observer),
+            Method::Angles(angles) => Task::new(given, solver, Single::Angles(angles)).run(observer),
+            Method::Positions(descent) => Task::new(given, solver, Single::Positions(descent)).run(observer),
+            Method::SurfaceAngles => Task::new(given, solver, Single::SurfaceAngles).run(observer),
+        }
+    }
+
+    /// The angles of the surface, if they are to be had: `mesh` as it is given, `working` within range.
+    fn corner_angles(&self, mesh: &TriMesh, working: &TriMesh) -> Result<Vec<f64>, GeometryError> {
+        mesh.check_finite()?;
+        if self.zero_area == ZeroArea::Refuse {
+            working.check_geometry()?;
+        }
+        Ok(working.corner_angles())
+    }
+
+    /// Whether the solver keeps within the limit; of the ladder its first rung, for the others are checked when it is
+    /// their turn.
+    pub(crate) fn check_memory(&self, mesh: &TriMesh) -> Result<(), FlattenError> {
+        match &self.solver {
+            Solver::Auto(_) => check_memory(&lean(), SolverKind::Auto, self.max_memory, mesh),
+            solver => check_memory(solver, solver.kind(), self.max_memory, mesh),
+        }
+    }
+
+    fn check_layout(&self) -> Result<(), FlattenError> {
+        let kind = self.layout.kind;
+        match self.solver.method() {
+            Method::Positions(_) if kind != LayoutKind::Auto => Err(FlattenError::DescentLayout(kind)),
+            Method::SurfaceAngles if matches!(kind, LayoutKind::Tree | LayoutKind::Poisson) => {
+                Err(FlattenError::LscmLayout(kind))
+            }
+            Method::Ladder(_) | Method::Angles(_) | Method::Positions(_) | Method::SurfaceAngles => Ok(()),
+        }
+    }
+}
+
+/// The solver of angles that takes least.
+fn lean() -> Solver {
+    LinAbf::default().into()
+}
+
+/// Whether a solver keeps within a limit, bytes. An error names `asked`.
+fn check_memory(solver: &Solver, asked: SolverKind, limit: Option<u64>, mesh: &TriMesh) -> Result<(), FlattenError> {
+    let Some(limit) = limit else { return Ok(()) };
+    let (triangles, vertices) = (mesh.face_count(), mesh.vertex_count());
+    let predicted = predict_memory(solver, triangles, vertices);
+    if predicted <= limit {
+        return Ok(());
+    }
+    let leaner = Some((SolverKind::LinAbf, predict_memory(&lean(), triangles, vertices)));
+    let leaner = leaner.filter(|&(_, bytes)| bytes <= limit);
+    Err(FlattenError::Memory { solver: asked, triangles, predicted, limit, leaner })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abf_control::{Event, Verdict};
+    use abf_shapes::Shape;
+    use abf_solve_uzawa::Uzawa;
+
+    /// An observer that hears nothing, for nothing is begun.
+    struct Deaf;
+
+    impl Observer for Deaf {
+        fn observe(&mut self, event: Event<'_>) -> Verdict {
+            panic!("{event:?}")
+        }
+    }
+
+    #[test]
+    fn a_mesh_over_the_limit_is_refused_before_anything_is_done() {
+        let mesh = Shape::BumpySheet.mesh(2000);
+        let refused = |solver: Solver, limit| {
+            let pipeline = Pipeline { solver, max_memory: Some(limit), ..Pipeline::default() };
+            pipeline.run(&mesh, &mut Deaf).unwrap_err()
+        };
+        let (triangles, limit) = (mesh.face_count(), 2_000_000);
+        let error = refused(Uzawa::default().into(), limit);
+        let FlattenError::Memory {
+            solver: SolverKind::Uzawa,
+            predicted,
+            leaner: Some((SolverKind::LinAbf, bytes)),
+            ..
+        } = error
+        else {
+            panic!("{error:?}")
+        };
+        assert!(predicted > limit && bytes <= limit, "{error}");
+        assert!(error.to_string().contains(&format!("for {triangles} triangles, and the limit is 2.0 MB")), "{error}");
+        assert!(matches!(refused(lean(), 1000), FlattenError::Memory { leaner: None, .. }));
+    }
+}

@@ -1,0 +1,30 @@
+//! The settings of the solvers that `auto` tries.
+
+use abf_embed::Descent;
+use abf_solve_abf_newton::AbfNewton;
+use abf_solve_barrier::Barrier;
+use abf_solve_linabf::LinAbf;
+
+/// The solvers of [`Solver::Auto`](crate::Solver::Auto), each with its settings, in the order in which they are tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ladder {
+    /// The first.
+    pub linabf: LinAbf,
+    /// The second. It makes 25 iterations at most: if it converges at all, about a dozen are enough.
+    pub newton: AbfNewton,
+    /// The third.
+    pub barrier: Barrier,
+    /// The last. It never leaves the valid drawings.
+    pub descent: Descent,
+}
+
+impl Default for Ladder {
+    fn default() -> Self {
+        Self {
+            linabf: LinAbf::default(),
+            newton: AbfNewton::fixed_target(),
+            barrier: Barrier::default(),
+            descent: Descent::default(),
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Every setting of a flattening.
+
+use crate::settings::{Solver, ZeroArea};
+use abf_constraints::EstimateSettings;
+use abf_control::StopCriteria;
+use abf_metrics::Precision;
+use abf_reconstruct::LayoutSettings;
+
+/// Every setting of a flattening. The default is what [`flatten`](crate::flatten) does.
+///
+/// Settings that concern one solver are in the [`Solver`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pipeline {
+    /// Which method, with its settings.
+    pub solver: Solver,
+    /// What becomes of faces without area.
+    pub zero_area: ZeroArea,
+    /// How the estimate is made from the angles of the surface.
+    pub estimate: EstimateSettings,
+    /// When the solver stops. A time limit is one for all solvers of [`Solver::Auto`] together; the number of
+    /// iterations is one for each.
+    pub stop: StopCriteria,
+    /// How angles become coordinates. [`Solver::Lscm`] takes the two least squares kinds, and
+    /// reads [`LayoutKind::Auto`](abf_reconstruct::LayoutKind::Auto) as the weighted one, which is LSCM proper.
+    /// [`Solver::Descent`] lays out nothing.
+    pub layout: LayoutSettings,
+    /// Scale the UVs into the unit square instead of giving them the area of the surface.
+    pub normalize: bool,
+    /// What the UVs will be stored in: they are rounded to it, and certified as that.
+    pub precision: Precision,
+    /// Refuse meshes for which [`predict_memory`](crate::predict_memory) says more bytes than this; `None`: no limit
+    /// but that of the system, which may end the program. [`Solver::Auto`] leaves out the rungs that would take more.
+    pub max_memory: Option<u64>,
+}

@@ -1,0 +1,409 @@
+//! A solver with its settings: one value.
+
+use crate::FlattenError;
+use crate::settings::{Ladder, SolverKind, UnknownSolver};
+use abf_embed::Descent;
+use abf_solve_abf_newton::{AbfNewton, NewtonMethod};
+use abf_solve_barrier::Barrier;
+use abf_solve_core::{AngleSolver, IterativeSettings, NewtonSettings};
+use abf_solve_linabf::{LinAbf, Passes};
+use abf_solve_minres::Minres;
+use abf_solve_uzawa::Uzawa;
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+/// A solver with its settings.
+///
+/// Every solver of this library turns into one, and so does its name; a solver of your own is wrapped by
+/// [`Solver::custom`].
+///
+/// ```
+/// use abf::{Barrier, Solver, SolverKind};
+///
+/// let barrier: Solver = Barrier { barrier_floor: 1e-6, ..Barrier::default() }.into();
+/// assert_eq!(barrier.kind(), SolverKind::Barrier);
+/// let named: Solver = "abf++".parse()?;
+/// assert_eq!(named.kind(), SolverKind::AbfPlusPlus);
+/// # Ok::<(), abf::UnknownSolver>(())
+/// ```
+#[derive(Clone)]
+pub enum Solver {
+    /// One solver after the other, up to the first result that is certified.
+    Auto(Ladder),
+    /// Linear ABF.
+    LinAbf(LinAbf),
+    /// ABF, ABF++ and Newton's method with a direct solve: [`AbfNewton::method`] says which.
+    Newton(AbfNewton),
+    /// Newton's method solved by conjugate-direction Uzawa.
+    Uzawa(Uzawa),
+    /// Newton's method solved by MINRES.
+    Minres(Minres),
+    /// The interior point method.
+    Barrier(Barrier),
+    /// The descent over the positions of the vertices.
+    Descent(Descent),
+    /// Least squares conformal maps. Its only setting is the layout of the [`Pipeline`](crate::Pipeline).
+    Lscm,
+    /// A solver of your own. Two are equal when they are the same object.
+    Custom(Arc<dyn AngleSolver>),
+}
+
+/// How a solver gets to UVs.
+#[derive(Clone, Copy)]
+pub(crate) enum Method<'s> {
+    /// By the methods of its rungs.
+    Ladder(&'s Ladder),
+    /// It finds angles, and these are laid out.
+    Angles(&'s dyn AngleSolver),
+    /// It moves the vertices.
+    Positions(&'s Descent),
+    /// The angles of the surface are laid out as they are.
+    SurfaceAngles,
+}
+
+impl Solver {
+    /// A solver of your own.
+    #[must_use]
+    pub fn custom(solver: impl AngleSolver + 'static) -> Self {
+        Self::Custom(Arc::new(solver))
+    }
+
+    /// Every solver of this library with its default settings, in the order of [`SolverKind::ALL`].
+    #[must_use]
+    pub fn all() -> [Self; SolverKind::ALL.len()] {
+        [
+            Self::Auto(Ladder::default()),
+            Self::LinAbf(LinAbf::default()),
+            Self::Newton(AbfNewton::abf()),
+            Self::Newton(AbfNewton::abf_plus_plus()),
+            Self::Newton(AbfNewton::exact_newton()),
+            Self::Newton(AbfNewton::fixed_target()),
+            Self::Uzawa(Uzawa::default()),
+            Self::Minres(Minres::default()),
+            Self::Barrier(Barrier::default()),
+            Self::Descent(Descent::default()),
+            Self::Lscm,
+        ]
+    }
+
+    /// Which solver it is.
+    #[must_use]
+    pub fn kind(&self) -> SolverKind {
+        match self {
+            Self::Auto(_) => SolverKind::Auto,
+            Self::LinAbf(_) => SolverKind::LinAbf,
+            Self::Newton(newton) => match newton.method {
+                NewtonMethod::Abf => SolverKind::Abf,
+                NewtonMethod::AbfPlusPlus => SolverKind::AbfPlusPlus,
+                NewtonMethod::AbfNewton => SolverKind::AbfNewton,
+                NewtonMethod::AbfFixedTarget => SolverKind::AbfFixedTarget,
+            },
+            Self::Uzawa(_) => SolverKind::Uzawa,
+            Self::Minres(_) => SolverKind::Minres,
+            Self::Barrier(_) => SolverKind::Barrier,
+            Self::Descent(_) => SolverKind::Descent,
+            Self::Lscm => SolverKind::Lscm,
+            Self::Custom(solver) => SolverKind::Custom(solver.name()),
+        }
+    }
+
+    /// The name on the command line and in reports.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.kind().name()
+    }
+
+    pub(crate) fn method(&self) -> Method<'_> {
+        match self {
+            Self::Auto(ladder) => Method::Ladder(ladder),
+            Self::LinAbf(solver) => Method::Angles(solver),
+            Self::Newton(solver) => Method::Angles(solver),
+            Self::Uzawa(solver) => Method::Angles(solver),
+            Self::Minres(solver) => Method::Angles(solver),
+            Self::Barrier(solver) => Method::Angles(solver),
+            Self::Custom(solver) => Method::Angles(solver.as_ref()),
+            Self::Descent(descent) => Method::Positions(descent),
+            Self::Lscm => Method::SurfaceAngles,
+        }
+    }
+
+    /// The solver of angles; `None` for those that are none: LSCM, the descent, and the ladder.
+    #[must_use]
+    pub fn angle_solver(&self) -> Option<&dyn AngleSolver> {
+        match self.method() {
+            Method::Angles(solver) => Some(solver),
+            Method::Ladder(_) | Method::Positions(_) | Method::SurfaceAngles => None,
+        }
+    }
+
+    /// The point of the grid this solver runs; `None` for those that are none: LinABF, the interior point, the descent,
+    /// LSCM, the ladder, and a solver of your own.
+    #[must_use]
+    pub fn newton_settings(&self) -> Option<NewtonSettings> {
+        match self {
+            Self::Newton(solver) => Some(solver.newton),
+            Self::Uzawa(solver) => Some(solver.newton),
+            Self::Minres(solver) => Some(solver.newton),
+            Self::Auto(_) | Self::LinAbf(_) | Self::Barrier(_) | Self::Descent(_) | Self::Lscm | Self::Custom(_) => {
+                None
+            }
+        }
+    }
+
+    /// What the inner method of Uzawa and MINRES is told; `None` for all others.
+    #[must_use]
+    pub fn iterative_settings(&self) -> Option<IterativeSettings> {
+        match self {
+            Self::Uzawa(solver) => Some(solver.iterative),
+            Self::Minres(solver) => Some(solver.iterative),
+            Self::Auto(_)
+            | Self::LinAbf(_)
+            | Self::Newton(_)
+            | Self::Barrier(_)
+            | Self::Descent(_)
+            | Self::Lscm
+            | Self::Custom(_) => None,
+        }
+    }
+
+    /// How many passes are made, of a solver that makes passes.
+    #[must_use]
+    pub fn passes(&self) -> Option<Passes> {
+        match self {
+            Self::Auto(ladder) => Some(ladder.linabf.passes),
+            Self::LinAbf(solver) => Some(solver.passes),
+            Self::Newton(_)
+            | Self::Uzawa(_)
+            | Self::Minres(_)
+            | Self::Barrier(_)
+            | Self::Descent(_)
+            | Self::Lscm
+            | Self::Custom(_) => None,
+        }
+    }
+
+    /// The last weight of the barrier, of a solver that has one; of the ladder that of its descent.
+    #[must_use]
+    pub fn barrier_floor(&self) -> Option<f64> {
+        match self {
+            Self::Auto(ladder) => Some(ladder.descent.barrier_floor),
+            Self::Barrier(barrier) => Some(barrier.barrier_floor),
+            Self::Descent(descent) => Some(descent.barrier_floor),
+            Self::LinAbf(_) | Self::Newton(_) | Self::Uzawa(_) | Self::Minres(_) | Self::Lscm | Self::Custom(_) => None,
+        }
+    }
+
+    /// Its settings by what they are about, to change them whichever solver it is.
+    pub fn parts_mut(&mut self) -> SolverParts<'_> {
+        let mut parts = SolverParts::default();
+        match self {
+            Self::Auto(ladder) => {
+                parts.linabf = Some(&mut ladder.linabf);
+                parts.barrier = Some(&mut ladder.barrier);
+                parts.descent = Some(&mut ladder.descent);
+            }
+            Self::LinAbf(solver) => parts.linabf = Some(solver),
+            Self::Newton(solver) => parts.newton = Some(&mut solver.newton),
+            Self::Uzawa(Uzawa { newton, iterative }) | Self::Minres(Minres { newton, iterative }) => {
+                parts.newton = Some(newton);
+                parts.iterative = Some(iterative);
+            }
+            Self::Barrier(solver) => parts.barrier = Some(solver),
+            Self::Descent(solver) => parts.descent = Some(solver),
+            Self::Lscm | Self::Custom(_) => {}
+        }
+        parts
+    }
+
+    /// Checks the settings that are this solver's own, before any work is done.
+    pub(crate) fn check(&self) -> Result<(), FlattenError> {
+        let of_barrier = |barrier: &Barrier| {
+            let named = |source| FlattenError::of_solver(SolverKind::Barrier, source);
+            barrier.check().map_err(named)
+        };
+        match self {
+            Self::Auto(ladder) => {
+                ladder.descent.check()?;
+                of_barrier(&ladder.barrier)
+            }
+            Self::Barrier(barrier) => of_barrier(barrier),
+            Self::Descent(descent) => Ok(descent.check()?),
+            // Their settings are checked by the solve, which has done nothing before.
+            Self::LinAbf(_) | Self::Newton(_) | Self::Uzawa(_) | Self::Minres(_) | Self::Lscm | Self::Custom(_) => {
+                Ok(())
+            }
+        }
+    }
+}
+
+/// The settings of a [`Solver`] by what they are about; `None` where it has none such.
+#[derive(Debug, Default)]
+#[non_exhaustive]
+pub struct SolverParts<'s> {
+    /// The passes of LinABF.
+    pub linabf: Option<&'s mut LinAbf>,
+    /// The point of the grid. The ladder keeps its own.
+    pub newton: Option<&'s mut NewtonSettings>,
+    /// The inner method of Uzawa and MINRES.
+    pub iterative: Option<&'s mut IterativeSettings>,
+    /// The interior point method.
+    pub barrier: Option<&'s mut Barrier>,
+    /// The descent.
+    pub descent: Option<&'s mut Descent>,
+}
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self::Auto(Ladder::default())
+    }
+}
+
+impl PartialEq for Solver {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Auto(a), Self::Auto(b)) => a == b,
+            (Self::LinAbf(a), Self::LinAbf(b)) => a == b,
+            (Self::Newton(a), Self::Newton(b)) => a == b,
+            (Self::Uzawa(a), Self::Uzawa(b)) => a == b,
+            (Self::Minres(a), Self::Minres(b)) => a == b,
+            (Self::Barrier(a), Self::Barrier(b)) => a == b,
+            (Self::Descent(a), Self::Descent(b)) => a == b,
+            (Self::Lscm, Self::Lscm) => true,
+            (Self::Custom(a), Self::Custom(b)) => Arc::ptr_eq(a, b),
+            (
+                Self::Auto(_)
+                | Self::LinAbf(_)
+                | Self::Newton(_)
+                | Self::Uzawa(_)
+                | Self::Minres(_)
+                | Self::Barrier(_)
+                | Self::Descent(_)
+                | Self::Lscm
+                | Self::Custom(_),
+                _,
+            ) => false,
+        }
+    }
+}
+
+impl fmt::Debug for Solver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto(ladder) => ladder.fmt(f),
+            Self::LinAbf(solver) => solver.fmt(f),
+            Self::Newton(solver) => solver.fmt(f),
+            Self::Uzawa(solver) => solver.fmt(f),
+            Self::Minres(solver) => solver.fmt(f),
+            Self::Barrier(solver) => solver.fmt(f),
+            Self::Descent(solver) => solver.fmt(f),
+            Self::Lscm => f.write_str("Lscm"),
+            Self::Custom(solver) => f.debug_tuple("Custom").field(&solver.name()).finish(),
+        }
+    }
+}
+
+impl fmt::Display for Solver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A solver of this library by its name, with its default settings.
+impl FromStr for Solver {
+    type Err = UnknownSolver;
+
+    fn from_str(s: &str) -> Result<Self, UnknownSolver> {
+        Self::all().into_iter().find(|solver| solver.name() == s).ok_or_else(|| UnknownSolver { name: s.to_owned() })
+    }
+}
+
+impl From<Ladder> for Solver {
+    fn from(ladder: Ladder) -> Self {
+        Self::Auto(ladder)
+    }
+}
+
+impl From<LinAbf> for Solver {
+    fn from(solver: LinAbf) -> Self {
+        Self::LinAbf(solver)
+    }
+}
+
+impl From<AbfNewton> for Solver {
+    fn from(solver: AbfNewton) -> Self {
+        Self::Newton(solver)
+    }
+}
+
+impl From<Uzawa> for Solver {
+    fn from(solver: Uzawa) -> Self {
+        Self::Uzawa(solver)
+    }
+}
+
+impl From<Minres> for Solver {
+    fn from(solver: Minres) -> Self {
+        Self::Minres(solver)
+    }
+}
+
+impl From<Barrier> for Solver {
+    fn from(solver: Barrier) -> Self {
+        Self::Barrier(solver)
+    }
+}
+
+impl From<Descent> for Solver {
+    fn from(solver: Descent) -> Self {
+        Self::Descent(solver)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_has_one_solver_and_its_name_leads_to_it() {
+        assert_eq!(Solver::all().map(|solver| solver.kind()), SolverKind::ALL);
+        for solver in Solver::all() {
+            assert_eq!(solver.name().parse(), Ok(solver.clone()));
+            assert_eq!(solver.kind().with_defaults(), Some(solver));
+        }
+        assert_eq!(SolverKind::Custom("linabf").with_defaults(), None, "only a value is a solver of your own");
+    }
+
+    #[test]
+    fn a_kind_says_what_its_solver_can_be_told() {
+        for solver in Solver::all() {
+            let kind = solver.kind();
+            assert_eq!(kind.has_a_fixed_target(), solver.newton_settings().is_some(), "{kind}");
+            assert_eq!(kind.iterates_inside(), solver.iterative_settings().is_some(), "{kind}");
+            assert_eq!(kind.makes_passes(), solver.passes().is_some(), "{kind}");
+            assert_eq!(kind.has_a_barrier(), solver.barrier_floor().is_some(), "{kind}");
+            let mut same = solver.clone();
+            let parts = same.parts_mut();
+            assert_eq!(parts.newton.copied(), solver.newton_settings(), "{kind}");
+            assert_eq!(parts.iterative.copied(), solver.iterative_settings(), "{kind}");
+            assert_eq!(parts.linabf.map(|linabf| linabf.passes), solver.passes(), "{kind}");
+            assert_eq!(parts.barrier.is_some() || parts.descent.is_some(), kind.has_a_barrier(), "{kind}");
+            let is_alone = kind.keeps_constraints() && kind != SolverKind::Auto;
+            assert_eq!(solver.angle_solver().map(AngleSolver::name), is_alone.then_some(kind.name()));
+        }
+    }
+
+    #[test]
+    fn solvers_are_equal_when_they_are_the_same_with_the_same_settings() {
+        let all = Solver::all();
+        for (i, a) in all.iter().enumerate() {
+            for (j, b) in all.iter().enumerate() {
+                assert_eq!(a == b, i == j, "{a} and {b}");
+            }
+        }
+        let own = Solver::custom(LinAbf::default());
+        assert_eq!(own, own.clone());
+        assert_ne!(own, Solver::custom(LinAbf::default()));
+        assert_eq!(format!("{own:?}"), "Custom(\"linabf\")");
+    }
+}
