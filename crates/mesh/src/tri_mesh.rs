@@ -224,7 +224,7 @@ fn triangle_angles([a, b, c]: &[Point3<f64>; 3]) -> [f64; 3] {
 }
 
 /// Whether the corners lie on one line, to the rounding of the cross product.
-fn has_no_area([a, b, c]: &[Point3<f64>; 3]) -> bool {
+pub(crate) fn has_no_area([a, b, c]: &[Point3<f64>; 3]) -> bool {
     const ROUNDING: f64 = 4.0 * f64::EPSILON;
     let (ab, ac, bc) = (b - a, c - a, c - b);
     let longest = ab.norm_squared().max(ac.norm_squared()).max(bc.norm_squared());

@@ -6,6 +6,7 @@
 use std::collections::HashMap;
 
 use super::error::{Location, Place, ReadError};
+use super::polygon::{self, Inside};
 use super::{MeshFile, ReadNotes, UvDropped};
 use crate::{Point2, Point3, TriMesh, UvId, UvMap};
 
@@ -127,16 +128,24 @@ impl<'a> Gather<'a> {
     ///
     /// # Errors
     /// Everything that could be said only now.
-    pub(super) fn finish(mut self) -> Result<MeshFile, ReadError> {
+    pub(super) fn finish(self) -> Result<MeshFile, ReadError> {
+        self.finish_with_polygons().map(|(file, _)| file)
+    }
+
+    /// The mesh, and the polygons that are no fans.
+    ///
+    /// # Errors
+    /// Everything that could be said only now.
+    pub(super) fn finish_with_polygons(mut self) -> Result<(MeshFile, Inside), ReadError> {
         self.check_counts()?;
         self.check_indices();
         self.check_faults()?;
-        let fan = self.fan();
+        let (fan, inside) = self.triangles();
         let faces: Vec<[usize; 3]> = fan.iter().map(|face| face.map(|c| self.corners[c])).collect();
         let uv = self.uv_map(&fan);
         let mesh = TriMesh::new(self.positions, &faces).expect("all indices have been checked");
         self.notes.unreferenced_vertices = mesh.unreferenced_vertices();
-        Ok(MeshFile { mesh, uv, notes: self.notes })
+        Ok((MeshFile { mesh, uv, notes: self.notes }, inside))
     }
 
     /// There must be something, and no more than ids can name.
@@ -194,20 +203,30 @@ impl<'a> Gather<'a> {
         Ok(())
     }
 
-    /// Every triangle as three places in `corners`: polygons are fans around their first corner.
-    fn fan(&mut self) -> Vec<[usize; 3]> {
-        let mut fan = Vec::with_capacity(self.polygons.len());
+    /// Every triangle as three places in `corners`, and the polygons that are no fans around their first corner.
+    fn triangles(&mut self) -> (Vec<[usize; 3]>, Inside) {
+        let mut out = Vec::with_capacity(self.polygons.len());
+        let mut inside = Inside::new();
         let mut start = 0;
-        for &(end, _) in &self.polygons {
-            fan.extend((start + 1..end - 1).map(|c| [start, c, c + 1]));
+        for (number, &(end, _)) in self.polygons.iter().enumerate() {
             let triangles = end - start - 2;
+            let mut own = None;
             if triangles > 1 {
-                self.notes.polygons_fanned += 1;
-                self.notes.triangles_from_polygons += triangles;
+                let points: Vec<_> = self.corners[start..end].iter().map(|&v| self.positions[v]).collect();
+                let cut = polygon::cut(&points);
+                self.notes.polygon(triangles, &cut);
+                own = cut.inside;
+            }
+            match own {
+                None => out.extend((start + 1..end - 1).map(|c| [start, c, c + 1])),
+                Some(own) => {
+                    out.extend(own.iter().map(|face| face.map(|c| start + c as usize)));
+                    inside.insert(number, own);
+                }
             }
             start = end;
         }
-        fan
+        (out, inside)
     }
 
     /// The UV map, if every corner has a finite UV. Points that no corner uses are left out.

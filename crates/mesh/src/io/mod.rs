@@ -12,7 +12,8 @@
 //! [`ObjDocument`].
 //!
 //! A reader keeps every vertex (but glTF those that a triangle uses), in the order of the file, and every face; it judges neither
-//! topology nor shape. Polygons are cut into fans from their first corner. Reading never repairs
+//! topology nor shape. Polygons are cut into triangles inside their outline:
+//! into a fan from their first corner wherever that does not fold. Reading never repairs
 //! silently: whatever was done or left alone is counted in the [`ReadNotes`] next to the mesh.
 //! Whatever cannot be read is a [`ReadError`] that names the file and the line or byte; no input
 //! causes a panic, and no memory is taken on the word of a header.
@@ -25,6 +26,7 @@ mod notes;
 mod obj;
 mod off;
 mod ply;
+mod polygon;
 mod stl;
 mod text;
 mod write;
@@ -156,6 +158,18 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
 /// # Errors
 /// A [`ReadError`] with the place in the file.
 pub fn parse(format: MeshFormat, name: &str, bytes: &[u8]) -> Result<MeshFile, ReadError> {
+    check_readable(format, name, bytes)?;
+    match format {
+        MeshFormat::Glb | MeshFormat::Gltf => gltf::parse(name, bytes),
+        MeshFormat::Obj => obj::parse(name, bytes),
+        MeshFormat::Off => off::parse(name, bytes),
+        MeshFormat::Ply => ply::parse(name, bytes),
+        MeshFormat::Stl => stl::parse(name, bytes),
+    }
+}
+
+/// Refuses an empty file, and a text in UTF-16.
+fn check_readable(format: MeshFormat, name: &str, bytes: &[u8]) -> Result<(), ReadError> {
     const UTF_16_MARKS: [&[u8]; 2] = [&[0xff, 0xfe], &[0xfe, 0xff]];
     if bytes.is_empty() {
         return Err(ReadError::Empty { file: name.to_owned() });
@@ -165,13 +179,7 @@ pub fn parse(format: MeshFormat, name: &str, bytes: &[u8]) -> Result<MeshFile, R
         let at = Location { file: name.to_owned(), place: Place::Line(1) };
         return Err(ReadError::Unsupported { at, feature: "UTF-16 text".to_owned() });
     }
-    match format {
-        MeshFormat::Glb | MeshFormat::Gltf => gltf::parse(name, bytes),
-        MeshFormat::Obj => obj::parse(name, bytes),
-        MeshFormat::Off => off::parse(name, bytes),
-        MeshFormat::Ply => ply::parse(name, bytes),
-        MeshFormat::Stl => stl::parse(name, bytes),
-    }
+    Ok(())
 }
 
 #[cfg(test)]

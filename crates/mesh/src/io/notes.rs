@@ -3,16 +3,25 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use super::polygon::Cut;
+
 /// Everything that reading did beyond copying, and everything it left alone.
 ///
 /// The default says that nothing of the kind happened.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ReadNotes {
-    /// How many faces had more than three corners and were cut into fans.
+    /// How many faces had more than three corners and were cut into triangles.
     pub polygons_fanned: usize,
     /// How many triangles those made.
     pub triangles_from_polygons: usize,
+    /// How many of those are no fan around their first corner, because that would leave the outline or make a triangle
+    /// without area.
+    pub polygons_not_fanned: usize,
+    /// How many of those have corners off their plane, by more than a thousandth of their extent.
+    pub polygons_not_planar: usize,
+    /// How many of those cross or touch themselves; they are fans, in which some triangles are turned over.
+    pub polygons_crossing: usize,
     /// Vertices that no face uses; they are kept.
     pub unreferenced_vertices: usize,
     /// UVs that no corner uses; they are not in the map.
@@ -69,6 +78,9 @@ impl ReadNotes {
         };
         let (n, made) = (self.polygons_fanned, self.triangles_from_polygons);
         say(n, format!("{n} polygons cut into {made} triangles"));
+        say(self.polygons_not_planar, format!("{} polygons are not planar", self.polygons_not_planar));
+        let crossing = self.polygons_crossing;
+        say(crossing, format!("{crossing} polygons cross themselves: some of their triangles are turned over"));
         say(self.unreferenced_vertices, format!("{} vertices that no face uses kept", self.unreferenced_vertices));
         say(self.unreferenced_uvs, format!("{} UVs that no corner uses left out", self.unreferenced_uvs));
         say(self.vertices_welded, format!("{} vertices welded by exact position", self.vertices_welded));
@@ -80,6 +92,15 @@ impl ReadNotes {
         let libraries = &self.material_libraries;
         say(libraries.len(), format!("material libraries named: {}", libraries.join(", ")));
         out
+    }
+
+    /// Counts a polygon of more than three corners.
+    pub(super) fn polygon(&mut self, triangles: usize, cut: &Cut) {
+        self.polygons_fanned += 1;
+        self.triangles_from_polygons += triangles;
+        self.polygons_not_fanned += usize::from(cut.inside.is_some());
+        self.polygons_not_planar += usize::from(cut.is_bent);
+        self.polygons_crossing += usize::from(cut.is_crossing);
     }
 
     /// Counts one more of something that is not read.

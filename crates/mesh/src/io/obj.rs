@@ -17,6 +17,7 @@ pub use document::{Labels, ObjDocument, ObjWritten};
 
 use super::error::ReadError;
 use super::gather::{Gather, NO_UV};
+use super::polygon::Inside;
 use super::text::{Line, Lines, Words, quote};
 use super::{MeshFile, ReadNotes};
 use crate::Point2;
@@ -26,17 +27,22 @@ const BASE: u8 = 1;
 
 /// Reads an OBJ file.
 pub(super) fn parse(file: &str, bytes: &[u8]) -> Result<MeshFile, ReadError> {
+    parse_with_polygons(file, bytes).map(|(file, _)| file)
+}
+
+/// Reads an OBJ file, and tells which polygons are no fans.
+fn parse_with_polygons(file: &str, bytes: &[u8]) -> Result<(MeshFile, Inside), ReadError> {
     plain::parse(bytes).map_or_else(|| parse_with_care(file, bytes), Ok)
 }
 
 /// Reads an OBJ file of whatever form.
-fn parse_with_care(file: &str, bytes: &[u8]) -> Result<MeshFile, ReadError> {
+fn parse_with_care(file: &str, bytes: &[u8]) -> Result<(MeshFile, Inside), ReadError> {
     let mut gather = Gather::new(file, BASE);
     let mut lines = Lines::new(file, bytes);
     while let Some(line) = lines.next_joined() {
         statement(&mut gather, &line)?;
     }
-    gather.finish()
+    gather.finish_with_polygons()
 }
 
 fn statement(gather: &mut Gather<'_>, line: &Line<'_>) -> Result<(), ReadError> {

@@ -165,6 +165,26 @@ fn groups_materials_and_diagonals_are_told() {
 }
 
 #[test]
+fn a_concave_polygon_is_kept_and_its_diagonals_are_told() {
+    // As a fan, its first triangle would be outside, and turned over.
+    let text = "v 3 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\nv 3 0 0\nf 1 2 3 4 5 6\n";
+    let document = ObjDocument::parse("f", text.as_bytes().to_vec()).expect("readable");
+    assert_eq!(document.file().notes.polygons_not_fanned, 1);
+    assert_eq!(document.file().mesh.area(), 4.0);
+    let sides: Vec<[usize; 2]> = (0..6).map(|i| [i, (i + 1) % 6]).collect();
+    let diagonals: Vec<[usize; 2]> = document.diagonals().iter().map(|d| d.map(|v| v.index())).collect();
+    assert_eq!(diagonals.len(), 3);
+    assert!(diagonals.iter().all(|&[a, b]| !sides.contains(&[a, b]) && !sides.contains(&[b, a])));
+    let (whole, split) = written(&document, &map(&document, false));
+    assert_eq!(split, 0);
+    assert!(String::from_utf8(whole).expect("text").ends_with("f 1/1 2/2 3/3 4/4 5/5 6/6\n"));
+    let (torn, split) = written(&document, &map(&document, true));
+    assert_eq!(split, 1);
+    let after = parse(MeshFormat::Obj, "f", &torn).expect("readable");
+    assert_eq!(after.mesh, document.file().mesh);
+}
+
+#[test]
 fn a_file_is_replaced_when_it_is_complete() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.obj");

@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use abf_mesh::io::{MeshFormat, parse};
+use abf_mesh::io::{MeshFormat, UvDropped, parse};
 
 use crate::common::uv_bits;
 
@@ -21,18 +21,23 @@ fn by_tobj(bytes: &[u8]) -> Result<Corners, tobj::LoadError> {
     let no_materials = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
     let (models, _) = tobj::load_obj_buf(&mut &bytes[..], &options, no_materials)?;
     let (mut positions, mut uvs) = (Vec::new(), Vec::new());
+    // Where corners have no UV, `tobj` gives them that of the corner before.
+    let made_up = String::from_utf8_lossy(bytes).lines().any(|line| {
+        let mut words = line.split_whitespace();
+        words.next() == Some("f") && words.any(|word| word.split('/').nth(1).is_none_or(str::is_empty))
+    });
     for mesh in models.iter().map(|model| &model.mesh) {
         let position = |&i: &u32| [0, 1, 2].map(|k| mesh.positions[3 * i as usize + k].to_bits());
         let uv = |&i: &u32| [0, 1].map(|k| mesh.texcoords[2 * i as usize + k].to_bits());
         positions.extend(mesh.indices.iter().map(position));
         uvs.extend(mesh.texcoord_indices.iter().map(uv));
     }
-    let uvs = (uvs.len() == positions.len()).then_some(uvs);
+    let uvs = (uvs.len() == positions.len() && !made_up).then_some(uvs);
     Ok((positions, uvs))
 }
 
 fn by_us(name: &str, bytes: &[u8]) -> Corners {
-    let file = parse(MeshFormat::Obj, name, bytes).unwrap_or_else(|e| panic!("{e}"));
+    let file = parse(MeshFormat::Obj, name, bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
     let positions = file.mesh.triangles().flatten().map(|p| [p.x, p.y, p.z].map(f64::to_bits)).collect();
     (positions, file.uv.as_ref().map(uv_bits))
 }
@@ -75,6 +80,16 @@ fn odd_files_mean_the_same_to_both_readers() {
     for (name, text) in cases {
         assert_agree(name, text.as_bytes(), text.as_bytes());
     }
+}
+
+#[test]
+fn no_uv_is_made_up_for_a_corner_without_one() {
+    // A part without UVs among parts that have them: `tobj` repeats the UV of the corner before.
+    let text = format!("{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\no with\nf 1/1 2/2 3/3\no without\nf 1 3 4\n");
+    let file = parse(MeshFormat::Obj, "two parts", text.as_bytes()).expect("a readable file");
+    assert_eq!(file.uv, None);
+    assert_eq!(file.notes.uv_dropped, Some(UvDropped::CornersWithout { corners: 3 }));
+    assert_agree("two parts", text.as_bytes(), text.as_bytes());
 }
 
 #[test]

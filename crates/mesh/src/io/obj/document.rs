@@ -10,9 +10,10 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::super::error::ReadError;
+use super::super::polygon::Inside;
 use super::super::text::{Lines, Words, integer, without_mark};
 use super::super::write::{WriteError, check, decimal, index, replace};
-use super::super::{MeshFile, MeshFormat};
+use super::super::{MeshFile, MeshFormat, check_readable};
 use crate::{UvId, UvMap, VertexId};
 
 /// A name for every triangle.
@@ -32,6 +33,8 @@ pub struct ObjDocument {
     file: MeshFile,
     /// For every polygon how many triangles it became.
     polygons: Vec<u32>,
+    /// Those that are no fans.
+    inside: Inside,
     groups: Labels,
     materials: Labels,
 }
@@ -61,7 +64,8 @@ impl ObjDocument {
     /// # Errors
     /// Those of [`parse`](crate::io::parse).
     pub fn parse(name: &str, bytes: Vec<u8>) -> Result<Self, ReadError> {
-        let file = crate::io::parse(MeshFormat::Obj, name, &bytes)?;
+        check_readable(MeshFormat::Obj, name, &bytes)?;
+        let (file, inside) = super::parse_with_polygons(name, &bytes)?;
         let mut scan = Scan::default();
         let mut lines = Lines::new(name, &bytes);
         while let Some(line) = lines.next_joined() {
@@ -78,7 +82,15 @@ impl ObjDocument {
         }
         debug_assert_eq!(scan.groups.labels.of_faces.len(), file.mesh.face_count());
         let Scan { polygons, groups, materials, .. } = scan;
-        Ok(Self { name: name.to_owned(), file, polygons, groups: groups.labels, materials: materials.labels, bytes })
+        Ok(Self {
+            name: name.to_owned(),
+            file,
+            polygons,
+            inside,
+            groups: groups.labels,
+            materials: materials.labels,
+            bytes,
+        })
     }
 
     /// The mesh, as [`read`](crate::io::read) gives it.
@@ -105,10 +117,16 @@ impl ObjDocument {
         let faces = self.file.mesh.faces();
         let mut out = Vec::new();
         let mut first = 0;
-        for &triangles in &self.polygons {
+        for (number, &triangles) in self.polygons.iter().enumerate() {
             let next = first + triangles as usize;
-            // Every triangle of a fan but the last ends at a diagonal.
-            out.extend(faces[first..next].iter().take(triangles as usize - 1).map(|&[a, _, c]| [a, c]));
+            match self.inside.get(&number) {
+                // Every triangle of a fan but the last ends at a diagonal.
+                None => out.extend(faces[first..next].iter().take(triangles as usize - 1).map(|&[a, _, c]| [a, c])),
+                Some(own) => out.extend(own.iter().zip(&faces[first..next]).flat_map(|(own, face)| {
+                    let is_diagonal = |&(i, j): &(usize, usize)| own[i] < own[j] && !is_side(own[i], own[j], triangles);
+                    [(0, 1), (1, 2), (2, 0)].into_iter().filter(is_diagonal).map(|(i, j)| [face[i], face[j]])
+                })),
+            }
             first = next;
         }
         out
@@ -146,7 +164,7 @@ impl ObjDocument {
         let text = without_mark(&self.bytes);
         out.write_all(&self.bytes[..self.bytes.len() - text.len()])?;
         let mut pen = Pen { text, uv, out: Vec::new(), copied: 0, uvs_written: false, written: ObjWritten::default() };
-        let mut polygons = self.polygons.iter();
+        let mut polygons = self.polygons.iter().enumerate();
         let mut corners = uv.corners();
         // A mark is gone already.
         let mut lines = Lines::after(&self.name, text, 0);
@@ -158,10 +176,10 @@ impl ObjDocument {
             match words.next() {
                 Some(b"vt") => pen.uvs(&statement),
                 Some(keyword @ (b"f" | b"fo")) => {
-                    let triangles = polygons.next().map_or(0, |&n| n as usize);
+                    let (number, triangles) = polygons.next().map_or((0, 0), |(number, &n)| (number, n as usize));
                     let (own, others) = corners.split_at((3 * triangles).min(corners.len()));
                     corners = others;
-                    pen.face(&statement, keyword, words, own);
+                    pen.face(&statement, keyword, words, &Triangles { inside: self.inside.get(&number), corners: own });
                 }
                 Some(b"l" | b"surf") => pen.without_uvs(&statement, words),
                 _ => {}
@@ -238,6 +256,27 @@ struct Statement<'a> {
     end: usize,
 }
 
+/// The triangles of a polygon.
+struct Triangles<'a> {
+    /// Their places in the polygon; a fan if there are none.
+    inside: Option<&'a Vec<[u32; 3]>>,
+    /// The UVs of their corners.
+    corners: &'a [UvId],
+}
+
+impl Triangles<'_> {
+    /// Every triangle: its places in the polygon, and its UVs.
+    fn each(&self) -> impl Iterator<Item = ([usize; 3], &[UvId; 3])> {
+        let places = |k: usize| self.inside.map_or([0, k + 1, k + 2], |own| own[k].map(|c| c as usize));
+        self.corners.as_chunks().0.iter().enumerate().map(move |(k, ids)| (places(k), ids))
+    }
+}
+
+/// Whether two corners of a polygon of so many triangles are neighbours on its outline.
+fn is_side(a: u32, b: u32, triangles: u32) -> bool {
+    a.abs_diff(b) == 1 || a.abs_diff(b) == triangles + 1
+}
+
 /// Copies the text, and writes other things in between.
 struct Pen<'a> {
     text: &'a [u8],
@@ -289,10 +328,10 @@ impl Pen<'_> {
     }
 
     /// Writes a polygon with the UVs of the corners of its triangles.
-    fn face(&mut self, statement: &Statement<'_>, keyword: &[u8], mut words: Words<'_>, corners: &[UvId]) {
+    fn face(&mut self, statement: &Statement<'_>, keyword: &[u8], mut words: Words<'_>, own: &Triangles<'_>) {
         self.all_uvs(statement);
-        let Some(ids) = self.polygon_uvs(corners) else {
-            return self.triangles(statement, keyword, words, corners);
+        let Some(ids) = self.polygon_uvs(own) else {
+            return self.triangles(statement, keyword, words, own);
         };
         for id in ids {
             let Some(word) = words.next() else { return };
@@ -304,34 +343,35 @@ impl Pen<'_> {
     }
 
     /// The UV of every corner of a polygon, if its triangles agree.
-    fn polygon_uvs(&self, corners: &[UvId]) -> Option<Vec<UvId>> {
+    fn polygon_uvs(&self, own: &Triangles<'_>) -> Option<Vec<UvId>> {
         let bits = |id: UvId| {
             let p = self.uv.points()[id.index()];
             [p.x.to_bits(), p.y.to_bits()]
         };
         let same = |a: UvId, b: UvId| a == b || bits(a) == bits(b);
-        let mut ids = corners.get(..2)?.to_vec();
-        for triangle in corners.chunks_exact(3) {
-            if !same(triangle[0], ids[0]) || !same(triangle[1], ids[ids.len() - 1]) {
-                return None;
+        let mut ids: Vec<Option<UvId>> = vec![None; own.corners.len() / 3 + 2];
+        for (places, triangle) in own.each() {
+            for (place, &id) in places.into_iter().zip(triangle) {
+                if !same(id, *ids[place].get_or_insert(id)) {
+                    return None;
+                }
             }
-            ids.push(triangle[2]);
         }
-        Some(ids)
+        ids.into_iter().collect()
     }
 
     /// Writes the triangles of a polygon, one on each line; what followed the polygon follows the last.
-    fn triangles(&mut self, statement: &Statement<'_>, keyword: &[u8], mut words: Words<'_>, corners: &[UvId]) {
+    fn triangles(&mut self, statement: &Statement<'_>, keyword: &[u8], mut words: Words<'_>, own: &Triangles<'_>) {
         self.copy_to(statement.start);
         self.written.polygons_split += 1;
         let line_end = self.line_end(statement);
-        let list: Vec<&[u8]> = words.by_ref().take(corners.len() / 3 + 2).collect();
-        for (k, ids) in corners.chunks_exact(3).enumerate() {
+        let list: Vec<&[u8]> = words.by_ref().take(own.corners.len() / 3 + 2).collect();
+        for (k, (places, ids)) in own.each().enumerate() {
             if k > 0 {
                 self.out.extend_from_slice(line_end);
             }
             self.out.extend_from_slice(keyword);
-            for (place, &id) in [0, k + 1, k + 2].into_iter().zip(ids) {
+            for (place, &id) in places.into_iter().zip(ids) {
                 self.out.push(b' ');
                 self.corner(list[place], Some(id));
             }

@@ -8,6 +8,7 @@
 
 use rayon::prelude::*;
 
+use super::super::polygon::{self, Inside};
 use super::super::text::{Words, without_mark};
 use super::super::{MeshFile, ReadNotes};
 use crate::{Point2, Point3, TriMesh, UvId, UvMap, VertexId};
@@ -27,14 +28,14 @@ const LARGEST_INDEX: u32 = 1 << 30;
 const RELATIVE: u32 = 3 << 30;
 
 /// Reads a file if it is plain.
-pub(super) fn parse(bytes: &[u8]) -> Option<MeshFile> {
+pub(super) fn parse(bytes: &[u8]) -> Option<(MeshFile, Inside)> {
     let threads = rayon::current_num_threads();
     let most = if threads > 1 { PIECES_PER_THREAD * threads } else { 1 };
     parse_in(bytes, (bytes.len() / PIECE).clamp(1, most))
 }
 
 /// Reads a file in about this many pieces.
-fn parse_in(bytes: &[u8], pieces: usize) -> Option<MeshFile> {
+fn parse_in(bytes: &[u8], pieces: usize) -> Option<(MeshFile, Inside)> {
     let pieces = split(without_mark(bytes), pieces);
     let parts: Vec<Part> = match pieces[..] {
         [whole] => vec![Part::read(whole)?],
@@ -66,9 +67,24 @@ struct Part {
     faces: Vec<[u32; 3]>,
     /// Their UVs: as many, or none.
     uv_faces: Vec<[u32; 3]>,
+    /// The faces of more than three corners: their number, their first triangle, how many they have.
+    polygons: Vec<Polygon>,
+    /// How many faces there are, of however many corners.
+    face_lines: usize,
     notes: ReadNotes,
     /// Lines of normals; there may be too many to look up their count each time.
     normals: usize,
+}
+
+/// A face of more than three corners, cut into a fan.
+#[derive(Clone, Copy)]
+struct Polygon {
+    /// Its number among the faces.
+    number: usize,
+    /// Its first triangle.
+    first: usize,
+    /// How many it has.
+    triangles: usize,
 }
 
 /// A corner of a face: its vertex, and its UV if it names one.
@@ -136,9 +152,10 @@ impl Part {
         loop {
             if let Some(after) = after_line(rest) {
                 if triangles > 1 {
-                    self.notes.polygons_fanned += 1;
-                    self.notes.triangles_from_polygons += triangles;
+                    let (number, first) = (self.face_lines, self.faces.len() - triangles);
+                    self.polygons.push(Polygon { number, first, triangles });
                 }
+                self.face_lines += 1;
                 return Some(after);
             }
             let (next, beyond) = self.corner(rest)?;
@@ -275,7 +292,7 @@ fn cut_whole_line(rest: &[u8]) -> Option<(&[u8], &[u8])> {
 }
 
 /// The mesh of all parts.
-fn join(parts: Vec<Part>) -> Option<MeshFile> {
+fn join(parts: Vec<Part>) -> Option<(MeshFile, Inside)> {
     let total = |count: fn(&Part) -> usize| parts.iter().map(count).sum::<usize>();
     let (vertices, uv_points) = (total(|p| p.positions.len()), total(|p| p.uv_points.len()));
     let (faces, uv_faces) = (total(|p| p.faces.len()), total(|p| p.uv_faces.len()));
@@ -289,8 +306,16 @@ fn join(parts: Vec<Part>) -> Option<MeshFile> {
     let mut triangles = Vec::with_capacity(faces);
     let mut uv_corners = Vec::with_capacity(3 * uv_faces);
     let mut notes = ReadNotes::default();
+    let (mut polygons, mut face_lines) = (Vec::new(), 0);
     for part in parts {
         let vertex = |v| resolve(v, positions.len(), vertices).map(VertexId::new);
+        let first = triangles.len();
+        polygons.extend(part.polygons.iter().map(|p| Polygon {
+            number: p.number + face_lines,
+            first: p.first + first,
+            ..*p
+        }));
+        face_lines += part.face_lines;
         for &[a, b, c] in &part.faces {
             triangles.push([vertex(a)?, vertex(b)?, vertex(c)?]);
         }
@@ -301,7 +326,9 @@ fn join(parts: Vec<Part>) -> Option<MeshFile> {
         points.extend(part.uv_points);
         add(&mut notes, part.notes);
     }
-    let mesh = TriMesh::of_ids(positions.finish(), triangles);
+    let positions = positions.finish();
+    let inside = cut(&positions, &polygons, &mut triangles, &mut uv_corners, &mut notes);
+    let mesh = TriMesh::of_ids(positions, triangles);
     notes.unreferenced_vertices = mesh.unreferenced_vertices();
     let uv = if uv_corners.is_empty() {
         notes.unreferenced_uvs = uv_points;
@@ -311,7 +338,46 @@ fn join(parts: Vec<Part>) -> Option<MeshFile> {
         notes.unreferenced_uvs = uv_points - map.points().len();
         Some(map)
     };
-    Some(MeshFile { mesh, uv, notes })
+    Some((MeshFile { mesh, uv, notes }, inside))
+}
+
+/// Cuts the polygons that are no fans inside their outline, in place.
+fn cut(
+    positions: &[Point3<f64>],
+    polygons: &[Polygon],
+    triangles: &mut [[VertexId; 3]],
+    uv_corners: &mut [UvId],
+    notes: &mut ReadNotes,
+) -> Inside {
+    let look = |p: &Polygon| {
+        let fan = &triangles[p.first..p.first + p.triangles];
+        let points: Vec<_> = of_fan(fan).into_iter().map(|v| positions[v.index()]).collect();
+        polygon::cut(&points)
+    };
+    let cuts: Vec<_> = polygons.par_iter().map(look).collect();
+    let mut inside = Inside::new();
+    for (p, cut) in polygons.iter().zip(cuts) {
+        notes.polygon(p.triangles, &cut);
+        let Some(own) = cut.inside else { continue };
+        let range = p.first..p.first + p.triangles;
+        place(&own, &mut triangles[range.clone()]);
+        if let Some(uvs) = uv_corners.as_chunks_mut().0.get_mut(range) {
+            place(&own, uvs);
+        }
+        inside.insert(p.number, own);
+    }
+    inside
+}
+
+/// The corners of a polygon from its fan.
+fn of_fan<T: Copy>(fan: &[[T; 3]]) -> Vec<T> {
+    fan[..1].iter().flatten().copied().chain(fan[1..].iter().map(|face| face[2])).collect()
+}
+
+/// Replaces a fan by other triangles of the same polygon.
+fn place<T: Copy>(own: &[[u32; 3]], fan: &mut [[T; 3]]) {
+    let corners = of_fan(fan);
+    fan.iter_mut().zip(own).for_each(|(face, own)| *face = own.map(|c| corners[c as usize]));
 }
 
 /// The index counted from zero, if it names one of `available` elements; `before` came in earlier pieces.
@@ -358,8 +424,6 @@ impl<T: Copy> Joined<T> {
 
 /// Adds what was noted of a later piece.
 fn add(notes: &mut ReadNotes, later: ReadNotes) {
-    notes.polygons_fanned += later.polygons_fanned;
-    notes.triangles_from_polygons += later.triangles_from_polygons;
     later.ignored.iter().for_each(|(what, &count)| notes.ignore_many(what, count));
     notes.material_libraries.extend(later.material_libraries);
 }

@@ -23,11 +23,12 @@ fn contents(file: &MeshFile) -> String {
 fn agree(bytes: &[u8]) -> bool {
     let said = |result: Result<MeshFile, ReadError>| result.map(|file| contents(&file)).map_err(|e| format!("{e:?}"));
     let text = String::from_utf8_lossy(bytes);
-    let careful = said(parse_with_care("test", bytes));
+    let careful = said(parse_with_care("test", bytes).map(|(file, _)| file));
     assert_eq!(said(parse_either("test", bytes)), careful, "{text:?}");
     let found = [1, 2, 3, 5].map(|pieces| parse_in(bytes, pieces));
-    for file in found.iter().flatten() {
+    for (file, inside) in found.iter().flatten() {
         assert_eq!(Ok(contents(file)), careful, "{text:?}");
+        assert_eq!(Some(inside), parse_with_care("test", bytes).ok().map(|(_, inside)| inside).as_ref(), "{text:?}");
     }
     assert!(found.iter().all(|file| file.is_some() == found[0].is_some()), "it depends on the pieces: {text:?}");
     found[0].is_some()
@@ -128,10 +129,28 @@ fn a_large_file_is_cut_at_any_line() {
     });
     let text: String = vertices.chain(faces).collect();
     assert!(agree(text.as_bytes()));
-    let one = contents(&parse_in(text.as_bytes(), 1).expect("plain"));
+    let one = contents(&parse_in(text.as_bytes(), 1).expect("plain").0);
     for pieces in [2, 7, 64, 1000] {
-        assert!(contents(&parse_in(text.as_bytes(), pieces).expect("plain")) == one, "{pieces} pieces");
+        assert!(contents(&parse_in(text.as_bytes(), pieces).expect("plain").0) == one, "{pieces} pieces");
     }
+}
+
+#[test]
+fn a_concave_polygon_is_cut_alike_by_both_readers_and_takes_its_uvs_along() {
+    let letter = "v 0 0 0\nv 3 0 0\nv 3 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n";
+    let uvs = "vt 0 0\nvt 3 0\nvt 3 1\nvt 1 1\nvt 1 2\nvt 0 2\n";
+    let text = format!("{letter}{uvs}f 1/1 2/2 3/3\nf 3/3 4/4 5/5 6/6 1/1 2/2\nf 1/1 2/2 4/4 6/6\n");
+    assert!(agree(text.as_bytes()));
+    let (file, inside) = parse_in(text.as_bytes(), 2).expect("plain");
+    assert_eq!((file.notes.polygons_fanned, file.notes.polygons_not_fanned), (2, 1));
+    assert!(inside.contains_key(&1));
+    // The UVs are x and y of the vertices: every corner has its own still.
+    let uv = file.uv.expect("a map");
+    for (corner, vertex) in uv.corners().iter().zip(file.mesh.faces().iter().flatten()) {
+        let (p, q) = (uv.points()[corner.index()], file.mesh.positions()[vertex.index()]);
+        assert_eq!([p.x, p.y], [q.x, q.y]);
+    }
+    assert_eq!(file.mesh.area(), 1.5 + 4.0 + 2.5);
 }
 
 /// A number as somebody may write it.
