@@ -4,6 +4,7 @@ use crate::atlas::{Atlas, AtlasError, AtlasPages, Packed};
 use crate::unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped};
 use crate::{Pipeline, Solver};
 use abf_control::{Observer, Silent};
+use abf_cut::Weld;
 use abf_mesh::{GeometryError, Point2, Point3, TriMesh};
 use abf_metrics::Precision;
 use std::collections::HashMap;
@@ -126,6 +127,14 @@ impl ArrayUnwrapper {
         self
     }
 
+    /// Which vertices in one place are joined. [`Weld::Off`] takes the vertices as they are; the others join equal
+    /// positions first, wherever they are.
+    #[must_use]
+    pub fn weld(mut self, weld: Weld) -> Self {
+        self.unwrap.weld = weld;
+        self
+    }
+
     /// Whether a mesh that needs repair is refused.
     #[must_use]
     pub fn strict(mut self, strict: bool) -> Self {
@@ -184,13 +193,22 @@ impl ArrayUnwrapper {
         if let Some(vertex) = positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
             return Err(ArrayError::NotFinite { vertex });
         }
-        let mesh = welded(positions, triangles)?;
+        let mesh = match self.unwrap.weld {
+            Weld::Off => separate(positions, triangles)?,
+            Weld::Auto | Weld::Within(_) => welded(positions, triangles)?,
+        };
         let unwrapped = self.unwrap.run(&mesh, hints, observer)?;
         let stored = |p: Point2<f64>| p.map(|x| Precision::Single.round(x));
         let packed = self.atlas.pack(&mesh, &unwrapped, hints.face_labels, (stored, Precision::Single))?;
         let (indices, remap, uvs) = split(positions.len(), indices, &packed);
         Ok(UnwrappedArrays { uvs, indices, remap, packed, unwrapped })
     }
+}
+
+/// The mesh with the vertices it has.
+fn separate(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<TriMesh, GeometryError> {
+    let points = positions.iter().map(|p| Point3::from(p.map(f64::from))).collect();
+    TriMesh::new(points, &triangles.iter().map(|t| t.map(|i| i as usize)).collect::<Vec<_>>())
 }
 
 /// The mesh with vertices at one position made one: engines split them where normals or UVs differ.
@@ -252,6 +270,19 @@ mod tests {
         assert_eq!((flat.unwrapped.charts.len(), flat.packed.pages), (1, 1));
         assert_eq!((flat.indices, flat.remap), (indices.clone(), indices));
         assert!(flat.uvs.iter().flatten().all(|x| (0.0..=1.0).contains(x)));
+    }
+
+    #[test]
+    fn a_soup_that_is_not_welded_is_a_chart_per_triangle() {
+        let positions =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let charts = |weld| {
+            let flat = ArrayUnwrapper::new().weld(weld).run(&positions, &[0, 1, 2, 3, 4, 5]).expect("charts");
+            (flat.unwrapped.charts.len(), flat.remap.len())
+        };
+        assert_eq!(charts(Weld::Off), (2, 6));
+        assert_eq!(charts(Weld::Auto), (1, 6));
+        assert_eq!(charts(Weld::Within(0.1)), (1, 6));
     }
 
     #[test]

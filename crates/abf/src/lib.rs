@@ -43,6 +43,7 @@ pub use abf_control::{
     Cancelled, Event, Fallback, IterationRecord, Observer, Place, SettingError, Silent, Stage, StopCriteria,
     Termination, Verdict,
 };
+pub use abf_cut::Weld;
 pub use abf_embed::Descent;
 pub use abf_metrics::{Certificate, Metrics, MetricsError, Precision};
 pub use abf_reconstruct::{LayoutKind, LayoutSettings};

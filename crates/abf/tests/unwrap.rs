@@ -1,6 +1,6 @@
 //! Any mesh in: what comes out, and how it maps back.
 
-use abf::cut::HoleFilling;
+use abf::cut::{HoleFilling, Weld};
 use abf::mesh::{CornerId, FaceId, Point3, Topology, TriMesh, UvId, UvMap, VertexId};
 use abf::{
     Event, FlattenError, HoleRule, Observer, Pipeline, SeamRule, Silent, SurfaceHints, Unwrap, UnwrapError, Unwrapped,
@@ -299,4 +299,37 @@ fn coordinates_at_the_ends_of_the_range_are_no_hindrance() {
         let unwrapped = Unwrap::default().run(&far, &SurfaceHints::default(), &mut Silent).expect("charts");
         assert!(unwrapped.is_certified());
     }
+}
+
+/// The same triangles with vertices of their own.
+fn soup(mesh: &TriMesh) -> TriMesh {
+    let faces: Vec<[usize; 3]> = (0..mesh.face_count()).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    TriMesh::new(mesh.triangles().flatten().collect(), &faces).expect("indices in range")
+}
+
+#[test]
+fn a_soup_is_unwrapped_as_its_welded_twin_and_keeps_its_vertices() {
+    let twin = ball();
+    let soup = soup(&twin);
+    let run = |mesh: &TriMesh, weld| {
+        let settings = Unwrap { weld, ..Unwrap::default() };
+        settings.run(mesh, &SurfaceHints::default(), &mut Silent).expect("charts")
+    };
+    let (whole, joined) = (run(&twin, Weld::Auto), run(&soup, Weld::Auto));
+    assert_eq!(joined.charts.len(), whole.charts.len());
+    assert!((joined.seam_length / whole.seam_length - 1.0).abs() < 1e-9);
+    assert_eq!(joined.repairs.joined_vertices.count, soup.vertex_count() - twin.vertex_count());
+    assert_eq!(joined.uv().corners().len(), 3 * soup.face_count());
+    assert_eq!(whole.repairs.joined_vertices.count, 0);
+    assert_eq!(run(&soup, Weld::Off).charts.len(), soup.face_count());
+}
+
+#[test]
+fn kept_seams_include_those_that_doubled_vertices_make() {
+    let twin = ball();
+    let soup = soup(&twin);
+    let keep = Unwrap { seams: SeamRule::Keep, ..Unwrap::default() };
+    let kept = keep.run(&soup, &SurfaceHints::default(), &mut Silent).expect("charts");
+    assert_eq!(kept.charts.len(), soup.face_count());
+    assert_eq!(kept.repairs.joined_vertices.count, soup.vertex_count() - twin.vertex_count());
 }

@@ -2,6 +2,7 @@
 //!
 //! The way of a mesh, each step with a map back to where it came from:
 //!
+//! 0. [`weld`](weld()) joins vertices that stand in one place, where that makes boundary edges meet;
 //! 1. [`repair`](repair()) makes an oriented manifold with boundary of it, and counts what that took;
 //! 2. [`split`] without seams takes its components apart;
 //! 3. [`fill`] closes holes by virtual faces, to be dropped after the layout;
@@ -30,6 +31,7 @@ pub mod repair;
 mod seams;
 #[cfg(test)]
 mod test_support;
+mod weld;
 
 pub use borders::{label_borders, uv_borders};
 pub use chart::{Chart, split};
@@ -39,3 +41,4 @@ pub use holes::{Filled, HoleFilling, fill, loop_length, outer_loop};
 pub use open::open;
 pub use repair::{RepairError, RepairReport, Repaired, repair};
 pub use seams::Seams;
+pub use weld::{Weld, Welded, weld};

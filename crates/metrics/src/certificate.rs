@@ -4,6 +4,7 @@ use abf_mesh::{CornerId, FaceId, Topology, TriMesh, UvId, UvMap, VertexId};
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::fmt;
 use std::str::FromStr;
 
@@ -111,8 +112,13 @@ pub struct Certificate {
     /// Connected pieces of the boundary whose leftmost point lies under a part of the map that does not
     /// touch it: a chart inside a triangle of another chart, the rim of a hole over another part.
     pub nested: usize,
-    /// Points where the boundary meets itself and nothing is covered twice. These are no overlaps.
+    /// Points where the boundary meets itself and nothing is covered twice, and pairs of its edges that cross no deeper than
+    /// [`TOUCH_ULPS`](Self::TOUCH_ULPS) units in the last place, of [`precision`](Self::precision), of the largest
+    /// coordinate of their chart. These are no overlaps. Where a fold, or a face on another, lies deeper anywhere along the
+    /// same piece of the boundary, they are [`crossings`](Self::crossings).
     pub touches: usize,
+    /// How deep the deepest of those pairs crosses, in UV units: how far the nearest end of one is from the other.
+    pub touch_depth: f64,
     /// `max |h|` of the constraints of the angles the map was laid out from, rad; `None` where there are
     /// none, as for a file that was read.
     pub constraint_residual: Option<f64>,
@@ -147,6 +153,9 @@ impl Certificate {
     /// How many offenders of each kind are listed by name.
     pub const LISTED: usize = 10;
 
+    /// How many units in the last place sides that meet may cross.
+    pub const TOUCH_ULPS: f64 = 4.0;
+
     /// Whether the map is locally one to one inside the surface: no triangle flipped, none collapsed, no
     /// vertex wound around.
     #[must_use]
@@ -157,7 +166,7 @@ impl Certificate {
     /// How many overlaps there are: crossings, meetings and nested pieces.
     ///
     /// For a valid map this is zero if and only if no point of the plane is covered twice by the inside
-    /// of triangles.
+    /// of triangles, but for what is within rounding of the boundary at [`touches`](Self::touches).
     #[must_use]
     pub fn overlaps(&self) -> usize {
         self.crossings + self.meetings + self.nested
@@ -253,7 +262,12 @@ pub(crate) fn of_survey(survey: &Survey<'_>, topology: Option<&Topology>, precis
     let mut wound: Vec<VertexId> = closed_twice.iter().map(|fan| sheet.vertex(fan.first)).collect();
     wound.sort_unstable();
     wound.dedup();
-    let overlaps = Overlaps::find(&sheet, &open, &open_twice, Certificate::LISTED);
+    let largest = OnceCell::new();
+    let rounding = |face: FaceId| {
+        let largest: f64 = largest.get_or_init(|| survey.largest_coordinates())[survey.chart_of(face)];
+        if largest > 0.0 { Certificate::TOUCH_ULPS * precision.epsilon() * largest.log2().floor().exp2() } else { 0.0 }
+    };
+    let overlaps = Overlaps::find(&sheet, &open, &open_twice, Certificate::LISTED, rounding);
     let wound_count = wound.len();
     wound.truncate(Certificate::LISTED);
     Certificate {
@@ -267,6 +281,7 @@ pub(crate) fn of_survey(survey: &Survey<'_>, topology: Option<&Topology>, precis
         meetings: overlaps.meetings,
         nested: overlaps.nested,
         touches: overlaps.touches,
+        touch_depth: overlaps.touch_depth / scale,
         constraint_residual: None,
         uv_angle_min: angle_of(faces.cotangents.high),
         uv_angle_max: angle_of(faces.cotangents.low),

@@ -4,7 +4,7 @@ use abf_mesh::{FaceId, Point2, Point3, TriMesh, UvId, UvMap, VertexId};
 use rayon::prelude::*;
 
 use crate::MetricsError;
-use crate::charts::Charts;
+use crate::charts::{Charts, DisjointSets};
 use crate::triangle::{
     angles, is_within_rounding, largest_singular_value, power_of_two_scale, signed_uv_area, surface_area,
 };
@@ -41,7 +41,7 @@ pub struct FaceDistortion {
     /// `A₂ ≤ 4 ε · max |coordinate| · (|e₁| + |e₂|)`. Always so for a collapsed triangle. Its
     /// stretch and its quasi-conformal distortion count as infinite.
     pub within_rounding: bool,
-    /// Whether it has no area in 3-D to compare with: `A₃ ≤ 1e-14 ΣA₃`. The distortions and angles
+    /// Whether it has no area in 3-D to compare with: `A₃ ≤ 1e-14 ΣA₃` over its component. The distortions and angles
     /// of such a triangle mean nothing and enter no sum.
     pub degenerate_3d: bool,
     /// Its part of the whole surface, `A₃ / ΣA₃`.
@@ -99,6 +99,8 @@ pub(crate) struct Survey<'a> {
     areas: Vec<(f64, f64)>,
     total_surface: f64,
     total_uv: f64,
+    /// For every face the surface of its component, where some face is next to nothing of the whole.
+    component_surface: Option<Vec<f64>>,
 }
 
 impl<'a> Survey<'a> {
@@ -131,7 +133,20 @@ impl<'a> Survey<'a> {
         let total_uv = areas.iter().map(|&(_, flat)| flat.abs()).sum();
         let charts = charts();
         let majority = majority_signs(&charts, &areas);
-        Ok(Self { mesh, uv, surface_scale, uv_scale, charts, majority, areas, total_surface, total_uv })
+        let tiny = areas.iter().any(|&(surface, _)| surface <= NO_SURFACE * total_surface);
+        let component_surface = tiny.then(|| component_surfaces(mesh, &areas));
+        Ok(Self {
+            mesh,
+            uv,
+            surface_scale,
+            uv_scale,
+            charts,
+            majority,
+            areas,
+            total_surface,
+            total_uv,
+            component_surface,
+        })
     }
 
     /// How many charts the map has.
@@ -161,6 +176,22 @@ impl<'a> Survey<'a> {
             all
         };
         (0..count.div_ceil(FACES_PER_TASK)).into_par_iter().map(block).collect()
+    }
+
+    /// The chart of a face.
+    pub(crate) fn chart_of(&self, face: FaceId) -> usize {
+        self.charts.of(face)
+    }
+
+    /// For every chart its largest coordinate without sign, scaled.
+    pub(crate) fn largest_coordinates(&self) -> Vec<f64> {
+        let mut largest = vec![0.0_f64; self.charts.count];
+        for face in (0..self.areas.len()).map(FaceId::new) {
+            let here = self.uv.triangle(face).map(|p| p.coords.amax()).into_iter().fold(0.0, f64::max);
+            let of_chart = &mut largest[self.charts.of(face)];
+            *of_chart = of_chart.max(here * self.uv_scale);
+        }
+        largest
     }
 
     /// The mesh.
@@ -196,7 +227,18 @@ impl<'a> Survey<'a> {
     /// `A₂ / A₃` of a face, up to a factor that is the same for all; `None` where there is no shape to compare with.
     pub(crate) fn area_ratio(&self, face: FaceId) -> Option<f64> {
         let (surface, flat) = self.areas[face.index()];
-        (surface > NO_SURFACE * self.total_surface).then_some(flat.abs() / surface)
+        (!self.has_no_surface(face, surface)).then_some(flat.abs() / surface)
+    }
+
+    /// Whether a face of this area is next to nothing of its component, or of the whole and on one line to rounding.
+    fn has_no_surface(&self, face: FaceId, surface: f64) -> bool {
+        if surface > NO_SURFACE * self.total_surface {
+            return false;
+        }
+        let component = self.component_surface.as_ref().map_or(self.total_surface, |of_face| of_face[face.index()]);
+        let [a, b, c] = self.mesh.triangle(face).map(|p| p * self.surface_scale);
+        let longest = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+        surface <= NO_SURFACE * component || surface <= 2.0 * f64::EPSILON * longest
     }
 
     /// What became of a face.
@@ -214,7 +256,7 @@ impl<'a> Survey<'a> {
         FaceDistortion {
             orientation: self.orientation(face, signed),
             within_rounding,
-            degenerate_3d: surface_share <= NO_SURFACE,
+            degenerate_3d: self.has_no_surface(face, area_3d),
             surface_share,
             area_ratio: uv_share / surface_share,
             stretch_l2,
@@ -243,6 +285,19 @@ impl<'a> Survey<'a> {
             Orientation::Collapsed
         }
     }
+}
+
+/// For every face the area of the component it is in; faces that share a vertex are in one.
+fn component_surfaces(mesh: &TriMesh, areas: &[(f64, f64)]) -> Vec<f64> {
+    let mut sets = DisjointSets::new(mesh.vertex_count());
+    for [a, b, c] in mesh.faces() {
+        sets.join(a.index(), b.index());
+        sets.join(b.index(), c.index());
+    }
+    let roots: Vec<usize> = mesh.faces().iter().map(|face| sets.root(face[0].index())).collect();
+    let mut totals = vec![0.0; mesh.vertex_count()];
+    roots.iter().zip(areas).for_each(|(&root, &(surface, _))| totals[root] += surface);
+    roots.iter().map(|&root| totals[root]).collect()
 }
 
 /// For every chart `+1` or `−1`, the sign of the sum of its signed areas; `+1` for a sum of zero.

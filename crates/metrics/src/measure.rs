@@ -20,7 +20,7 @@ use crate::{Certificate, MetricsError, Precision};
 pub struct Metrics {
     /// How many triangles there are.
     pub triangles: usize,
-    /// Triangles without an area in 3-D, `A₃ ≤ 1e-14 ΣA₃`. They are left out of every distortion
+    /// Triangles without an area in 3-D, `A₃ ≤ 1e-14 ΣA₃` over their component. They are left out of every distortion
     /// below, but not out of the counts above.
     pub degenerate_3d: usize,
     /// The angle error `F / 3nt = Σ (x − α°)² / (3 nt)` over the corners of the nt judged faces,

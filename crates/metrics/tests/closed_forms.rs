@@ -163,6 +163,50 @@ fn a_chart_mirrored_as_a_whole_is_not_flipped() {
     assert_no_distortion(&m);
 }
 
+/// Two strips of `count` squares each, one over the other; the upper one has its lower side at these heights.
+fn two_strips(count: usize, heights: impl Fn(usize) -> f64) -> Metrics {
+    let lower = (0..=count).flat_map(|i| [[i as f64, 0.0], [i as f64, 1.0]]);
+    let upper = (0..=count).flat_map(|i| [[i as f64, heights(i)], [i as f64, 2.0]]);
+    let flat: Vec<[f64; 2]> = lower.chain(upper).collect();
+    let square = |a: usize| [[a, a + 2, a + 3], [a, a + 3, a + 1]];
+    let faces: Vec<[usize; 3]> =
+        (0..2).flat_map(|strip| (0..count).flat_map(move |i| square(2 * (strip * (count + 1) + i)))).collect();
+    let positions: Vec<[f64; 3]> = flat.iter().map(|&[x, y]| [x, y, 0.0]).collect();
+    measured(&mesh(&positions, &faces), &uv_map(&flat, &faces))
+}
+
+#[test]
+fn sides_that_cross_within_rounding_are_touches_and_deeper_ones_are_overlaps() {
+    // The largest coordinate is 8: one unit in the last place is 8 ε.
+    let unit = 8.0 * f64::EPSILON;
+    let zigzag = |depth: f64| two_strips(8, move |i| if i % 2 == 0 { 1.0 + depth } else { 1.0 - depth });
+    let touching = zigzag(unit);
+    assert_eq!((touching.crossings, touching.injective()), (0, true), "{touching:?}");
+    assert!(touching.touches >= 8 && touching.touch_depth > 0.0 && touching.touch_depth <= 4.0 * unit);
+    assert!(!zigzag(64.0 * unit).injective());
+    assert!(!zigzag(0.1).injective());
+    assert_eq!(two_strips(8, |_| 1.0).touch_depth, 0.0);
+}
+
+#[test]
+fn a_deep_overlap_that_begins_within_rounding_is_none_of_the_touches() {
+    // The side sinks slowly into the other strip: both ends of the lens are shallow, its middle is not.
+    let unit = 8.0 * f64::EPSILON;
+    let lens = two_strips(8, move |i| match i {
+        0 | 8 => 1.0 + unit,
+        1 | 7 => 1.0 - unit,
+        _ => 0.75,
+    });
+    assert!(lens.crossings > 0 && !lens.injective(), "{lens:?}");
+    // Two squares on each other, moved by one unit.
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let moved = square.map(|[x, y]| [x + f64::EPSILON, y + f64::EPSILON]);
+    let faces = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    let flat: Vec<[f64; 2]> = square.into_iter().chain(moved).collect();
+    let positions: Vec<[f64; 3]> = (0..8).map(|i| [flat[i][0], flat[i][1], (i / 4) as f64]).collect();
+    assert!(!measured(&mesh(&positions, &faces), &uv_map(&flat, &faces)).injective());
+}
+
 #[test]
 fn a_face_without_area_in_space_is_left_out_of_the_distortion() {
     let mut positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.0, 0.0]];
@@ -179,6 +223,21 @@ fn a_face_without_area_in_space_is_left_out_of_the_distortion() {
     // But it is joined to its neighbour no more.
     assert_eq!((pinched.touches, pinched.injective()), (2, true));
     assert_eq!(Metrics { certificate: m.certificate.clone(), ..pinched }, m);
+}
+
+#[test]
+fn a_small_component_beside_a_large_one_is_judged_by_its_own_area() {
+    // A tenth of a millimetre beside a kilometre: a share of 1e-14 of the whole, and no less a triangle.
+    let tiny = [[500.0, 500.0, 50.0], [500.0001, 500.0, 50.0], [500.0, 500.0001, 50.0]];
+    let positions = [&[[0.0; 3], [1000.0, 0.0, 0.0], [1000.0, 1000.0, 0.0], [0.0, 1000.0, 0.0]][..], &tiny].concat();
+    let faces = [[0, 1, 2], [0, 2, 3], [4, 5, 6]];
+    let flat: Vec<[f64; 2]> = positions.iter().map(|p| [p[0], p[1]]).collect();
+    let m = measured(&mesh(&positions, &faces), &uv_map(&flat, &faces));
+    assert_eq!(m.degenerate_3d, 0);
+    // One of three points on a line has no shape, whichever component it is.
+    let line = [[0.1, 0.2, 50.0], [0.2, 0.4, 50.0], [0.3, 0.6, 50.0]];
+    let positions = [&positions[..4], &line].concat();
+    assert_eq!(measured(&mesh(&positions, &faces), &uv_map(&flat, &faces)).degenerate_3d, 1);
 }
 
 #[test]

@@ -122,6 +122,7 @@ fn together(mut one: Certificate, other: Certificate) -> Certificate {
     one.meetings += other.meetings;
     one.nested += other.nested;
     one.touches += other.touches;
+    one.touch_depth = one.touch_depth.max(other.touch_depth);
     one.uv_angle_min = one.uv_angle_min.min(other.uv_angle_min);
     one.uv_angle_max = one.uv_angle_max.max(other.uv_angle_max);
     one.spread = one.spread.max(other.spread);

@@ -6,9 +6,11 @@ use abf_cut::{Chart, Repaired, uv_borders};
 use abf_mesh::{CornerId, FaceId, Point2, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::Precision;
 
-/// Everything in terms of the input, whose coordinates were multiplied by `scale` to work with.
+/// Everything in terms of the input, whose coordinates were multiplied by `scale` to work with. `joined` has its faces with
+/// vertices in one place made one.
 pub(super) fn unwrapped(
     input: &TriMesh,
+    joined: &TriMesh,
     repaired: &Repaired,
     parts: &[Chart],
     finished: Vec<Vec<Finished>>,
@@ -31,7 +33,7 @@ pub(super) fn unwrapped(
         diagonal: diagonal(input),
         without_area: without_area.len(),
         // These first: others may go where they are.
-        followers: in_one_point.chain(followers(input, repaired)).collect(),
+        followers: in_one_point.chain(followers(joined, repaired)).collect(),
         turned: turned(repaired),
         corner_count: 3 * input.face_count(),
     };

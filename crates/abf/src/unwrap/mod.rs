@@ -11,7 +11,9 @@ mod stretch;
 
 use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolverKind, ZeroArea};
 use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, ask};
-use abf_cut::{Chart, CostSettings, HoleFilling, RepairReport, Seams, label_borders, repair, split, uv_borders};
+use abf_cut::{
+    Chart, CostSettings, HoleFilling, RepairReport, Seams, Weld, label_borders, repair, split, uv_borders, weld,
+};
 use abf_mesh::{CornerId, FaceId, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::Metrics;
 use component::{Component, Finished};
@@ -55,6 +57,8 @@ pub struct Unwrap {
     /// Whether components that are disks already may be cut further when their stretch is above
     /// [`max_stretch`](Self::max_stretch).
     pub cut_disks: bool,
+    /// Which vertices in one place are joined. The result is in terms of the input: its vertices stay.
+    pub weld: Weld,
     /// Whether a mesh that needs repair, or has faces without area, is refused.
     pub strict: bool,
 }
@@ -74,6 +78,7 @@ impl Default for Unwrap {
             reach: 0.0,
             part_overlaps: true,
             cut_disks: false,
+            weld: Weld::Auto,
             strict: false,
         }
     }
@@ -193,7 +198,9 @@ impl Unwrap {
         let in_range = mesh.in_range();
         let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
         ask(observer, Event::Working)?;
-        let repaired = repair(working)?;
+        let welded = weld(working, self.weld);
+        let mut repaired = repair(welded.as_ref().map_or(working, |welded| &welded.mesh))?;
+        repaired.report.joined_vertices = welded.as_ref().map(|welded| welded.joined).unwrap_or_default();
         ask(observer, Event::Working)?;
         if self.strict {
             error::refuse_repairs(&repaired.report)?;
@@ -202,7 +209,7 @@ impl Unwrap {
             working.check_geometry().map_err(FlattenError::from)?;
         }
         let budget = TimeBudget::start(&self.pipeline.stop);
-        let kept = self.kept_seams(&repaired, hints);
+        let kept = self.kept_seams(&repaired, working, hints);
         let parts = split(&repaired.mesh, &repaired.topology, &kept).map_err(FlattenError::from)?;
         ask(observer, Event::Working)?;
         let relay = Relay::new(observer, parts.len());
@@ -237,18 +244,34 @@ impl Unwrap {
         }
         match nowhere.filter(|_| charts.iter().all(Vec::is_empty)) {
             Some(error) => Err(error),
-            None => Ok(assemble::unwrapped(mesh, &repaired, &parts, charts, scale, self.pipeline.precision)),
+            None => Ok(assemble::unwrapped(
+                mesh,
+                welded.as_ref().map_or(mesh, |w| &w.mesh),
+                &repaired,
+                &parts,
+                charts,
+                scale,
+                self.pipeline.precision,
+            )),
         }
     }
 
     /// The seams to begin with.
-    fn kept_seams(&self, repaired: &abf_cut::Repaired, hints: &SurfaceHints<'_>) -> Seams {
+    fn kept_seams(&self, repaired: &abf_cut::Repaired, written: &TriMesh, hints: &SurfaceHints<'_>) -> Seams {
         let topology = &repaired.topology;
         let mut seams = Seams::none(topology);
         if self.seams == SeamRule::Auto {
             return seams;
         }
         let mut keep = |borders: Seams| borders.edges(topology).for_each(|c| seams.insert(topology, c));
+        if repaired.report.joined_vertices.count > 0 {
+            // Where the file has two vertices in one place it has a seam.
+            let of_corner = |c| {
+                let corner = repaired.input_corner(c);
+                UvId::new(written.faces()[corner.face().index()][corner.place()].index())
+            };
+            keep(uv_borders(topology, &topology.corners().map(of_corner).collect::<Vec<_>>()));
+        }
         if let Some(uv) = hints.uv {
             // Points of a vertex that are in one place are one: some files repeat them for every corner.
             let mut known = HashMap::new();

@@ -84,6 +84,7 @@ impl Charting {
                 max_stretch: args.max_stretch.unwrap_or(unwrap.max_stretch),
                 max_seam: args.max_seam,
                 cut_disks: args.cut_disks,
+                weld: args.weld.unwrap_or(unwrap.weld),
                 strict: args.strict,
                 ..unwrap
             },

@@ -58,7 +58,7 @@ fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
     let built = begin.elapsed().as_secs_f64();
 
     let uv = file.uv.ok_or_else(|| Failure::no_uv(&record.mesh, file.notes.uv_dropped))?;
-    let metrics = measured(&file.mesh, uv, MeshFormat::from_path(path), file.notes.uv_single);
+    let metrics = measured(&file.mesh, uv, MeshFormat::of_input(path), file.notes.uv_single);
     record.quality = Some(Quality::new(metrics.map_err(|error| Failure::metrics(&record.mesh, &error))?));
     record.overlap = advice::overlap(record);
     if let Some(overlap) = &record.overlap {

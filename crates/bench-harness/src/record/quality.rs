@@ -63,6 +63,7 @@ impl Serialize for Figures {
             ("area_l2", m.area_l2),
             ("uv_area", m.uv_area),
             ("surface_area", m.surface_area),
+            ("touch_depth", m.touch_depth),
             ("uv_angle_min", m.uv_angle_min),
             ("uv_angle_max", m.uv_angle_max),
         ] {

@@ -7,7 +7,7 @@ use crate::run::memory::HeapWatch;
 use crate::run::progress::Progress;
 use crate::run::source::{Gltf, Source};
 use crate::show::console;
-use abf_mesh::io::{ObjDocument, ReadNotes};
+use abf_mesh::io::{ObjDocument, ReadNotes, read_bytes};
 use abf_mesh::{TriMesh, UvMap, VertexId};
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -161,7 +161,7 @@ pub(crate) struct Known {
 
 /// Whether there may be comments in an OBJ; what cannot be read is told by who reads it next.
 fn has_comments(path: &Path) -> bool {
-    std::fs::read(path).is_ok_and(|bytes| bytes.contains(&b'#'))
+    read_bytes(path).is_ok_and(|bytes| bytes.contains(&b'#'))
 }
 
 /// Whether a file holds more than a writer of meshes would write again.

@@ -51,7 +51,7 @@ fn add_files(folder: &Path, depth: Depth, found: &mut Vec<PathBuf>) -> Result<()
             if depth == Depth::Below {
                 add_files(&path, depth, found)?;
             }
-        } else if MeshFormat::from_path(&path).is_some() && path.is_file() {
+        } else if MeshFormat::of_input(&path).is_some() && path.is_file() {
             found.push(path);
         }
     }

@@ -28,7 +28,7 @@ impl Source {
     /// Its file, if that is an OBJ.
     pub(crate) fn obj(&self) -> Option<&PathBuf> {
         match self {
-            Self::File(path) if MeshFormat::from_path(path) == Some(MeshFormat::Obj) => Some(path),
+            Self::File(path) if MeshFormat::of_input(path) == Some(MeshFormat::Obj) => Some(path),
             _ => None,
         }
     }
@@ -50,7 +50,7 @@ impl Source {
     pub(crate) fn read(&self) -> Result<(MeshFile, Option<Box<Gltf>>), Failure> {
         let failed = |error| Failure::read(&error);
         match self {
-            Self::File(path) => match MeshFormat::from_path(path) {
+            Self::File(path) => match MeshFormat::of_input(path) {
                 Some(format) if format.is_gltf() && !path.is_dir() => {
                     let document = GltfDocument::read(path).map_err(failed)?;
                     let surface = document.surface().map_err(failed)?;

@@ -12,7 +12,7 @@ pub struct Found {
 }
 
 impl Found {
-    pub(super) fn of(mut all: impl Iterator<Item = usize>) -> Self {
+    pub(crate) fn of(mut all: impl Iterator<Item = usize>) -> Self {
         let first = all.next();
         Self { count: usize::from(first.is_some()) + all.count(), first }
     }
@@ -35,6 +35,8 @@ pub struct RepairReport {
     pub split_vertices: Found,
     /// Edges cut because the surface has one side only; the first by one of its faces.
     pub one_sided_cuts: Found,
+    /// Vertices joined with another in the same place, before the repair ([`weld`](crate::weld())).
+    pub joined_vertices: Found,
     /// Faces without area. They are kept.
     pub zero_area_faces: Found,
     /// Vertices that no face of the input uses. They are kept.
@@ -42,7 +44,7 @@ pub struct RepairReport {
 }
 
 impl RepairReport {
-    /// Whether the mesh was an oriented manifold. Faces without area and unused vertices change nothing about that.
+    /// Whether the mesh was an oriented manifold once vertices in one place were joined. Faces without area and unused vertices change nothing about that.
     #[must_use]
     pub fn is_clean(&self) -> bool {
         self.changes().iter().all(|(found, _)| found.count == 0)
@@ -51,7 +53,11 @@ impl RepairReport {
     /// One sentence for everything there is to say.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
-        let kept = [(self.zero_area_faces, ["face without area carried along", "faces without area carried along"])];
+        let joined = ["vertex joined with another in its place", "vertices joined with others in their place"];
+        let kept = [
+            (self.joined_vertices, joined),
+            (self.zero_area_faces, ["face without area carried along", "faces without area carried along"]),
+        ];
         let all = self.changes().into_iter().chain(kept).filter(|(found, _)| found.count > 0);
         let mut out: Vec<String> = all.map(|(found, what)| sentence(found, what)).collect();
         if self.unused_vertices > 0 {

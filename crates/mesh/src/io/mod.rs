@@ -18,6 +18,7 @@
 //! Whatever cannot be read is a [`ReadError`] that names the file and the line or byte; no input
 //! causes a panic, and no memory is taken on the word of a header.
 
+mod compressed;
 mod error;
 mod gather;
 mod gltf;
@@ -35,6 +36,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::str::FromStr;
 
+pub use compressed::read_bytes;
 pub use error::{Location, Place, ReadError};
 pub use gltf::{
     BufferSource, GltfDocument, GltfPrimitive, GltfRemap, GltfSurface, GltfTexcoords, PrimitiveRemap, stored_uv,
@@ -127,7 +129,7 @@ pub struct MeshFile {
     pub notes: ReadNotes,
 }
 
-/// Reads a mesh file; its extension (in whatever case) names the format.
+/// Reads a mesh file; its extension (in whatever case) names the format. One that ends in `.gz` is decompressed.
 ///
 /// # Errors
 /// [`ReadError::UnknownExtension`], [`ReadError::Open`], and whatever [`parse`] finds.
@@ -136,7 +138,7 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
     if path.is_dir() {
         return Err(ReadError::Open { file, cause: ErrorKind::IsADirectory.into() });
     }
-    let Some(format) = MeshFormat::from_path(path) else {
+    let Some(format) = MeshFormat::of_input(path) else {
         // What does not exist has no wrong extension.
         if let Err(cause) = std::fs::metadata(path) {
             return Err(ReadError::Open { file, cause });
@@ -146,7 +148,7 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
     if format.is_gltf() {
         return gltf::read(path);
     }
-    match std::fs::read(path) {
+    match read_bytes(path) {
         Ok(bytes) => parse(format, &file, &bytes),
         Err(cause) => Err(ReadError::Open { file, cause }),
     }

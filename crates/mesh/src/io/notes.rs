@@ -15,8 +15,8 @@ pub struct ReadNotes {
     pub polygons_fanned: usize,
     /// How many triangles those made.
     pub triangles_from_polygons: usize,
-    /// How many of those are no fan around their first corner, because that would leave the outline or make a triangle
-    /// without area.
+    /// How many of those are no fan around their first corner, because that would leave the outline or, in a polygon that
+    /// is not convex, make a triangle without area.
     pub polygons_not_fanned: usize,
     /// How many of those have corners off their plane, by more than a thousandth of their extent.
     pub polygons_not_planar: usize,
@@ -33,6 +33,8 @@ pub struct ReadNotes {
     pub uv_dropped: Option<UvDropped>,
     /// Whether the file stores its UVs with 24 bits (PLY's `float`): what is proved of them is to be proved of those.
     pub uv_single: bool,
+    /// Whether the last line is missing (`endsolid` of STL); everything before it is complete.
+    pub end_missing: bool,
     /// What was not read: keywords of OBJ, properties and elements of PLY and the like, with how
     /// many there were of each.
     pub ignored: BTreeMap<String, usize>,
@@ -87,6 +89,7 @@ impl ReadNotes {
         if let Some(why) = self.uv_dropped {
             say(1, format!("UVs left out: {why}"));
         }
+        say(usize::from(self.end_missing), "the last line, `endsolid`, is missing".to_owned());
         let ignored: Vec<String> = self.ignored.iter().map(|(what, n)| format!("{what} ({n})")).collect();
         say(ignored.len(), format!("not read: {}", ignored.join(", ")));
         let libraries = &self.material_libraries;

@@ -2,7 +2,8 @@
 //!
 //! The letters before the keyword say what follows the coordinates of a vertex: `N` normals, `C`
 //! colours, `ST` UVs, in this order. The UVs are read; normals, colours and whatever follows the
-//! corners of a face are not. `4OFF`, `nOFF` and binary files are refused by name.
+//! corners of a face are not. `4` says that a vertex has four homogeneous coordinates, `x/w y/w z/w`. The keyword may be
+//! missing. `nOFF` and binary files are refused by name.
 
 use super::MeshFile;
 use super::error::ReadError;
@@ -21,7 +22,8 @@ const SHORTEST_FACE: usize = 2;
 
 /// Reads an OFF file.
 pub(super) fn parse(file: &str, bytes: &[u8]) -> Result<MeshFile, ReadError> {
-    let mut off = Off { file, lines: Lines::new(file, bytes), gather: Gather::new(file, BASE), has_uv: false };
+    let mut off =
+        Off { file, lines: Lines::new(file, bytes), gather: Gather::new(file, BASE), has_uv: false, has_weight: false };
     let (vertices, faces) = off.header()?;
     for i in 0..vertices {
         let line = off.line(|| format!("vertex {i} of {vertices}"))?;
@@ -42,6 +44,8 @@ struct Off<'a> {
     gather: Gather<'a>,
     /// Whether the keyword promises UVs.
     has_uv: bool,
+    /// Whether it promises homogeneous coordinates.
+    has_weight: bool,
 }
 
 impl<'a> Off<'a> {
@@ -55,7 +59,10 @@ impl<'a> Off<'a> {
     fn header(&mut self) -> Result<(usize, usize), ReadError> {
         let mut line = self.line(|| "the keyword OFF".to_owned())?;
         let mut words = line.words();
-        self.has_uv = keyword(&line, words.next().unwrap_or_default())?;
+        // A file may begin with its counts.
+        if words.clone().next().and_then(integer::<usize>).is_none() {
+            (self.has_uv, self.has_weight) = keyword(&line, words.next().unwrap_or_default())?;
+        }
         if words.clone().next() == Some(b"BINARY") {
             return Err(ReadError::Unsupported { at: line.at(), feature: "binary OFF".to_owned() });
         }
@@ -79,7 +86,12 @@ impl<'a> Off<'a> {
     /// `x y z …`, with the UV at the end if there is one.
     fn vertex(&mut self, line: &Line<'_>) -> Result<(), ReadError> {
         let mut words = line.words();
-        self.gather.vertex(line.numbers(&mut words)?, line.place());
+        let mut position = line.numbers(&mut words)?;
+        if self.has_weight {
+            let [weight] = line.numbers(&mut words)?;
+            position = position.map(|x: f64| x / weight);
+        }
+        self.gather.vertex(position, line.place());
         let mut extra = words.clone().count();
         if self.has_uv {
             let Some(before) = extra.checked_sub(2) else {
@@ -128,14 +140,15 @@ fn count(line: &Line<'_>, words: &mut Words<'_>, what: &str) -> Result<usize, Re
     integer(word).ok_or_else(|| ReadError::BadHeader { at: line.at(), reason: reason() })
 }
 
-/// Whether the keyword (`OFF` with letters before it) promises UVs.
-fn keyword(line: &Line<'_>, word: &[u8]) -> Result<bool, ReadError> {
+/// Whether the keyword (`OFF` with letters before it) promises UVs, and whether homogeneous coordinates.
+fn keyword(line: &Line<'_>, word: &[u8]) -> Result<(bool, bool), ReadError> {
     let Some(letters) = word.strip_suffix(b"OFF") else {
         return Err(ReadError::BadHeader { at: line.at(), reason: format!("expected OFF, found `{}`", quote(word)) });
     };
-    match letters {
-        b"" | b"N" | b"C" | b"CN" | b"NC" => Ok(false),
-        b"ST" | b"STC" | b"STN" | b"STCN" | b"STNC" => Ok(true),
+    let has_weight = letters.ends_with(b"4");
+    match letters.strip_suffix(b"4").unwrap_or(letters) {
+        b"" | b"N" | b"C" | b"CN" | b"NC" => Ok((false, has_weight)),
+        b"ST" | b"STC" | b"STN" | b"STCN" | b"STNC" => Ok((true, has_weight)),
         _ => Err(ReadError::Unsupported { at: line.at(), feature: format!("`{}`", quote(word)) }),
     }
 }
@@ -163,6 +176,21 @@ mod tests {
                 ("values after the corners of a face", 1)
             ]
         );
+    }
+
+    #[test]
+    fn a_file_may_begin_with_its_counts() {
+        let file = read("3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+        assert_eq!((file.mesh.vertex_count(), file.mesh.face_count()), (3, 1));
+    }
+
+    #[test]
+    fn four_coordinates_are_homogeneous() {
+        let file = read("4OFF\n3 1 3\n0 0 0 1\n1 0 0 0.5\n0 4 2 2\n3 0 1 2\n");
+        let positions = file.mesh.positions();
+        assert_eq!((positions[1].x, positions[2].y, positions[2].z), (2.0, 2.0, 1.0));
+        let text = "4OFF\n3 1 3\n0 0 0 1\n1 0 0 0\n0 4 2 2\n3 0 1 2\n";
+        assert!(matches!(parse("test.off", text.as_bytes()), Err(ReadError::NotFinite { .. })));
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! A polygon cut into triangles that lie inside its outline.
 //!
 //! The polygon is looked at along the axis nearest to its normal: that drops one coordinate and rounds nothing, so that
-//! corners on one line stay on one line. A fan around the first corner is kept where each of its triangles runs
-//! counter-clockwise and has an area. Any other polygon gets the constrained Delaunay triangulation of its outline. Both are
+//! corners on one line stay on one line. A fan around the first corner is kept for a convex polygon, and wherever each
+//! of its triangles runs counter-clockwise and has an area. Any other polygon gets the constrained Delaunay triangulation of its outline. Both are
 //! decided by exact signs.
 
 use std::collections::HashMap;
@@ -49,7 +49,10 @@ pub(super) fn cut(corners: &[Point3<f64>]) -> Cut {
     let fan = || (1..points.len() - 1).map(|i| (i, i + 1));
     let has_area = |&(i, j): &(usize, usize)| !has_no_area(&[points[0], points[i], points[j]]);
     let is_bent = is_bent(&points, &normal);
-    if fan().all(|pair| turn(0, pair.0, pair.1) > 0.0 && has_area(&pair)) {
+    let count = points.len();
+    let is_convex = || (0..count).all(|i| turn(i, (i + 1) % count, (i + 2) % count) >= 0.0);
+    let is_unfolded = fan().all(|(i, j)| turn(0, i, j) >= 0.0);
+    if is_unfolded && (fan().all(|pair| has_area(&pair)) || is_convex()) {
         return Cut { is_bent, ..Cut::default() };
     }
     let inside = triangulate(&flat);
@@ -175,7 +178,7 @@ fn opens_toward(flat: &[Coord<f64>], corner: usize, toward: Coord<f64>) -> bool 
     if is_left(next, previous) {
         is_left(next, toward) && is_left(toward, previous)
     } else {
-        !is_same(toward, previous) && !(is_left(previous, toward) && is_left(toward, next))
+        !(is_same(toward, previous) || (is_left(previous, toward) && is_left(toward, next)))
     }
 }
 
@@ -252,10 +255,12 @@ mod tests {
     }
 
     #[test]
-    fn corners_on_one_line_make_no_triangle_without_area() {
-        let points = polygon(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
-        let triangles = cut(&points).inside.expect("no fan");
-        assert!(triangles.iter().all(|&t| area(&points, t) > 0.0), "{triangles:?}");
+    fn corners_on_one_line_leave_a_convex_polygon_its_fan_and_make_no_flat_triangle_in_another() {
+        let wall = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+        assert_eq!(cut(&polygon(&wall)), Cut::default());
+        let notched = polygon(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 1.0], [0.0, 2.0]]);
+        let triangles = cut(&notched).inside.expect("no fan");
+        assert!(triangles.iter().all(|&t| area(&notched, t) > 0.0), "{triangles:?}");
     }
 
     #[test]

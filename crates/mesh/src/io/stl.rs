@@ -95,6 +95,7 @@ fn text(file: &str, bytes: &[u8], welder: &mut Welder<'_>) -> Result<(), ReadErr
     let syntax =
         |line: &Line<'_>, expected, found: &[u8]| ReadError::Syntax { at: line.at(), expected, found: quote(found) };
     let mut in_loop = false;
+    let mut in_facet = false;
     let mut in_solid = false;
     for line in Lines::new(file, bytes) {
         let mut words = line.words();
@@ -109,12 +110,16 @@ fn text(file: &str, bytes: &[u8], welder: &mut Welder<'_>) -> Result<(), ReadErr
             b"solid" if !in_solid && !in_loop => in_solid = true,
             b"endsolid" if in_solid && !in_loop => in_solid = false,
             b"vertex" => return Err(syntax(&line, "outer loop", word)),
-            b"facet" | b"endfacet" if !in_loop => {}
+            b"facet" if !in_loop => in_facet = true,
+            b"endfacet" if !in_loop => in_facet = false,
             _ if in_loop => return Err(syntax(&line, "vertex or endloop", word)),
             _ => return Err(syntax(&line, "solid, facet, outer loop, endfacet or endsolid", word)),
         }
     }
-    if in_solid {
+    // A file that ends between two facets holds everything that was written to it.
+    if in_solid && !in_loop && !in_facet && !welder.gather.positions.is_empty() {
+        welder.gather.notes.end_missing = true;
+    } else if in_solid {
         return Err(ReadError::UnexpectedEnd { file: file.to_owned(), missing: "endsolid".to_owned() });
     }
     Ok(())
@@ -148,6 +153,18 @@ endsolid two triangles
         assert_eq!((file.mesh.vertex_count(), file.mesh.face_count()), (4, 2));
         assert_eq!(file.notes.vertices_welded, 2);
         assert_eq!(file.mesh.positions()[3].z, 1e-3);
+    }
+
+    #[test]
+    fn a_text_without_endsolid_is_read_and_said() {
+        let file =
+            parse("test.stl", TEXT.trim_end().trim_end_matches("endsolid two triangles").as_bytes()).expect("readable");
+        assert_eq!(file.mesh.face_count(), 2);
+        assert!(file.notes.end_missing);
+        assert!(file.notes.sentences().contains(&"the last line, `endsolid`, is missing".to_owned()));
+        // In the middle of a facet it is damaged.
+        let cut = TEXT.find(" endfacet").expect("a facet");
+        assert!(parse("test.stl", &TEXT.as_bytes()[..cut]).is_err());
     }
 
     #[test]

@@ -98,7 +98,7 @@ fn faces_with_fewer_than_three_corners_are_counted() {
 #[test]
 fn broken_off_files_name_their_line() {
     refuses!(Off, "PLY\n", ReadError::BadHeader { .. }, "f, line 1: bad header: expected OFF, found `PLY`");
-    refuses!(Off, "# c\n4OFF\n", ReadError::Unsupported { .. }, "f, line 2: `4OFF` is not supported");
+    refuses!(Off, "# c\nnOFF\n", ReadError::Unsupported { .. }, "f, line 2: `nOFF` is not supported");
     refuses!(Off, "OFF BINARY\n", ReadError::Unsupported { .. }, "f, line 1: binary OFF is not supported");
     refuses!(Off, " # only a comment", ReadError::UnexpectedEnd { .. }, "f: the file ends before the keyword OFF");
     let message = "f: the file ends before the numbers of vertices and faces";

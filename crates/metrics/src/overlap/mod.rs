@@ -12,12 +12,16 @@
 //!    of that the piece itself does not wind, so the number of triangles is the winding number of all
 //!    other pieces, and those that touch the point are known.
 //!
+//! Crossings within the rounding of the coordinates are sorted out after that ([`shallow`]): they are touches, unless the
+//! boundary lies deeper under a face near them.
+//!
 //! Only signs of areas and comparisons of coordinates decide. The boundary edges are found pairwise by a
 //! hierarchy of boxes: `O(b log b)` for b boundary edges that are short against the whole.
 
 mod box_tree;
 mod meeting;
 mod outline;
+mod shallow;
 
 use crate::charts::DisjointSets;
 use crate::sheet::{Fan, Sheet, turn};
@@ -25,9 +29,10 @@ use abf_mesh::{FaceId, Point2};
 use box_tree::{BoxTree, Extent};
 use meeting::Meeting;
 use outline::{Outline, Segment};
+use shallow::Shallow;
 
 /// Where a map covers the plane more than once.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Overlaps {
     /// Pairs of boundary segments that cross inside both.
     pub(crate) crossings: usize,
@@ -36,32 +41,51 @@ pub(crate) struct Overlaps {
     pub(crate) meetings: usize,
     /// Connected pieces of the boundary whose leftmost point lies under faces that do not touch it.
     pub(crate) nested: usize,
-    /// Points where the boundary meets itself and no sector is covered twice.
+    /// Points where the boundary meets itself and no sector is covered twice, and crossings within rounding.
     pub(crate) touches: usize,
+    /// How deep the deepest of these crossings is.
+    pub(crate) touch_depth: f64,
     /// Pairs of faces that lie over each other, at the first places found.
     pub(crate) faces: Vec<[FaceId; 2]>,
 }
 
 impl Overlaps {
     /// Finds them; at most `listed` pairs of faces are named. `fans` are the fans on the boundary, `twice`
-    /// those of them that wind more than once.
-    pub(crate) fn find(sheet: &Sheet<'_>, fans: &[Fan], twice: &[Fan], listed: usize) -> Self {
+    /// those of them that wind more than once. `rounding` is how far rounding may move the coordinates of the chart of a face.
+    pub(crate) fn find(
+        sheet: &Sheet<'_>,
+        fans: &[Fan],
+        twice: &[Fan],
+        listed: usize,
+        rounding: impl Fn(FaceId) -> f64,
+    ) -> Self {
         let outline = Outline::new(sheet);
         let mut found = Self::default();
         let mut pieces = DisjointSets::new(outline.spots.len());
         outline.segments.iter().for_each(|s| pieces.join(s.low as usize, s.high as usize));
-        let passes = found.cross(&outline, &mut pieces, listed);
+        let tree = BoxTree::new((0..outline.segments.len() as u32).collect(), |s| outline.extent(s));
+        let (passes, shallow) = found.cross(&outline, &tree, &mut pieces, listed, rounding);
         let fans = fans_at_spots(sheet, &outline, fans);
         found.meet(sheet, &outline, (&fans, twice), &passes, listed);
         found.nest(sheet, &outline, &fans, &mut pieces, listed);
+        if !shallow.is_empty() {
+            found.settle(sheet, &outline, &tree, &shallow, &mut pieces, listed);
+        }
         found
     }
 
-    /// Finds crossings, and returns where a segment passes a spot that is not its end.
-    fn cross(&mut self, outline: &Outline, pieces: &mut DisjointSets, listed: usize) -> Vec<(u32, u32)> {
+    /// Finds crossings, and returns where a segment passes a spot that is not its end, and the crossings within rounding.
+    fn cross(
+        &mut self,
+        outline: &Outline,
+        tree: &BoxTree,
+        pieces: &mut DisjointSets,
+        listed: usize,
+        rounding: impl Fn(FaceId) -> f64,
+    ) -> (Vec<(u32, u32)>, Vec<Shallow>) {
         let mut passes = Vec::new();
+        let mut shallow = Vec::new();
         let mut crossed: Vec<[Option<FaceId>; 2]> = Vec::new();
-        let tree = BoxTree::new((0..outline.segments.len() as u32).collect(), |s| outline.extent(s));
         tree.pairs(|i, j| {
             if !outline.extent(i).meets(&outline.extent(j)) {
                 return;
@@ -70,10 +94,16 @@ impl Overlaps {
             let sides = [a.low, a.high].map(|spot| side_of(outline, &b, spot));
             let other_sides = [b.low, b.high].map(|spot| side_of(outline, &a, spot));
             if sides[0] * sides[1] < 0 && other_sides[0] * other_sides[1] < 0 {
-                self.crossings += 1;
                 pieces.join(a.low as usize, b.low as usize);
                 let mut faces = [a.face(), b.face()];
                 faces.sort_unstable();
+                let limit = faces.iter().flatten().map(|&face| rounding(face)).fold(0.0, f64::max);
+                let depth = shallow::depth(outline, &a, &b);
+                if depth <= limit {
+                    shallow.push(Shallow { depth, limit, segment: i, faces });
+                    return;
+                }
+                self.crossings += 1;
                 // Two triangles may cross six times.
                 if crossed.len() < listed && !crossed.contains(&faces) {
                     crossed.push(faces);
@@ -91,7 +121,7 @@ impl Overlaps {
         passes.sort_unstable();
         passes.dedup();
         passes.iter().for_each(|&(spot, s)| pieces.join(spot as usize, outline.segments[s as usize].low as usize));
-        passes
+        (passes, shallow)
     }
 
     /// Looks around every spot where more than one fan or segment is.

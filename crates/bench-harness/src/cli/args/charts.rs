@@ -1,7 +1,7 @@
 //! The options of seams, holes and the atlas.
 
 use super::method::one_of;
-use abf::{AtlasPages, HoleRule};
+use abf::{AtlasPages, HoleRule, Weld};
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -28,6 +28,10 @@ pub(crate) struct ChartArgs {
     /// Cut disks further, too, where their stretch is above --max-stretch
     #[arg(long, help_heading = CHARTS)]
     pub(crate) cut_disks: bool,
+    /// Which vertices in one place are joined where that makes boundary edges meet: those within rounding, but none in a
+    /// file that is one disk; none; or those at most DISTANCE apart [default: auto]
+    #[arg(long, value_name = "auto|off|DISTANCE", allow_negative_numbers = true, help_heading = CHARTS)]
+    pub(crate) weld: Option<Weld>,
     /// Refuse meshes that need repair, and faces without area
     #[arg(long, help_heading = CHARTS)]
     pub(crate) strict: bool,
@@ -57,12 +61,13 @@ pub(crate) struct ChartArgs {
 impl ChartArgs {
     /// Whether charts are asked for, whatever the mesh is.
     pub(crate) fn is_asked(&self) -> bool {
-        let Self { seams, holes, max_stretch, max_seam, cut_disks, strict, atlas, resolution, margin, .. } = self;
+        let Self { seams, holes, max_stretch, max_seam, cut_disks, weld, strict, atlas, resolution, margin, .. } = self;
         seams.is_some()
             || holes.is_some()
             || max_stretch.is_some()
             || max_seam.is_some()
             || *cut_disks
+            || weld.is_some()
             || *strict
             || atlas.is_some()
             || resolution.is_some()

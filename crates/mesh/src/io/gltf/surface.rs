@@ -203,6 +203,10 @@ impl GltfDocument {
         if !matches!(accessor.component(), Component::U8 | Component::U16 | Component::U32) {
             return Err(accessor.item().fault_at("componentType", "is no type of indices"));
         }
+        if accessor.count() == 0 {
+            notes.ignore("primitive without triangles");
+            return Ok(Vec::new());
+        }
         // Zeros without data would be as many as the document claims, all for nothing.
         if !accessor.has_data() {
             return Err(accessor.item().fault("indices without a buffer view"));

@@ -53,7 +53,7 @@ impl ObjDocument {
     /// Those of [`read`](crate::io::read).
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let name = path.display().to_string();
-        match std::fs::read(path) {
+        match crate::io::read_bytes(path) {
             Ok(bytes) => Self::parse(&name, bytes),
             Err(cause) => Err(ReadError::Open { file: name, cause }),
         }

@@ -258,6 +258,22 @@ fn meshes_are_not_welded_with_each_other_but_primitives_of_one_are() {
 }
 
 #[test]
+fn a_primitive_of_no_triangles_is_skipped_and_said() {
+    let bytes = super::kinds::with_empty_primitive().glb();
+    let mut edited = document(&bytes);
+    let surface = edited.surface().expect("a surface");
+    assert_eq!(surface.mesh.face_count(), 24);
+    assert_eq!(surface.notes.ignored["primitive without triangles"], 1);
+    edited.set_uvs(&layout(&surface, true), GltfTexcoords::default()).expect("set");
+    let after = document(&edited.to_glb().expect("packed"));
+    assert_eq!(after.surface().expect("a surface").uv.map(|uv| uv.corners().len()), Some(72));
+    assert_eq!(
+        after.json()["meshes"][0]["primitives"][0]["indices"],
+        edited.json()["meshes"][0]["primitives"][0]["indices"]
+    );
+}
+
+#[test]
 fn normal_splits_are_no_seams_of_the_map() {
     let (_, bytes) = kinds().into_iter().find(|(name, _)| *name == "textured").expect("the kind");
     let surface = document(&bytes).surface().expect("a surface");

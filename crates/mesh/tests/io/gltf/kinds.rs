@@ -40,6 +40,16 @@ fn textured(component: u32) -> Vec<u8> {
     builder.glb()
 }
 
+/// A sheet, and a primitive whose accessor of indices has no element: no valid document, but one that programs write.
+pub(crate) fn with_empty_primitive() -> Builder {
+    let (mut builder, sheet) = (Builder::new(), sheet(4, 3));
+    let attributes = base(&mut builder, &sheet);
+    let indices = builder.indices(sheet.triangles.as_flattened(), U16);
+    let none = builder.accessor(json!({}), U16, "SCALAR", 0);
+    builder.mesh(&json!([{"attributes": attributes, "indices": none}, {"attributes": attributes, "indices": indices}]));
+    builder
+}
+
 pub(crate) fn skinned() -> Builder {
     let (mut builder, sheet) = (Builder::new(), sheet(3, 4));
     let mut attributes = base(&mut builder, &sheet);

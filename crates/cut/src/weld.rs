@@ -1,0 +1,297 @@
+//! Vertices that stand in one place and are not shared: a soup of triangles, a sphere whose last column meets its first.
+//!
+//! Vertices are joined along boundary edges only, where both ends of one edge are at the ends of another: a vertex that
+//! touches a surface elsewhere is left alone. Positions stay; of the joined vertices the faces use the lowest.
+
+use crate::paths::Joined;
+use crate::repair::Found;
+use abf_mesh::{Point3, Topology, TriMesh, VertexId};
+use std::collections::HashMap;
+use std::fmt;
+use std::str::FromStr;
+
+/// How many units in the last place may lie between coordinates that are meant to be one.
+const ULPS: f64 = 4.0;
+
+/// Cells of the search are this many tolerances wide, so that most places are in one cell.
+const CELL: f64 = 64.0;
+
+/// Which vertices are joined before anything else is done.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Weld {
+    /// Those within 4 units in the last place at the size of their component, but none in a mesh that is one disk. The
+    /// units are those of 32-bit numbers where all coordinates are such, else of 64-bit numbers.
+    #[default]
+    Auto,
+    /// None.
+    Off,
+    /// Those at most so far apart, in units of the mesh, in any mesh.
+    Within(f64),
+}
+
+/// A mesh with shared vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Welded {
+    /// The same vertices and faces; the faces use the lowest of joined vertices.
+    pub mesh: TriMesh,
+    /// The vertices that were joined with a lower one.
+    pub joined: Found,
+}
+
+/// Joins vertices in one place; `None` where there are none.
+///
+/// Takes time `O(n log n)` where no more than a few vertices are within a tolerance of each other.
+#[must_use]
+pub fn weld(mesh: &TriMesh, rule: Weld) -> Option<Welded> {
+    if rule == Weld::Off || (rule == Weld::Auto && is_disk(mesh)) {
+        return None;
+    }
+    let edges = boundary_edges(mesh);
+    if edges.len() < 2 {
+        return None;
+    }
+    let places = Places::find(mesh, &edges, &tolerances(mesh, rule));
+    let mut joined = Joined::new(mesh.vertex_count());
+    let mut by_place: Vec<([usize; 2], Edge)> = edges.iter().map(|&edge| places.along(edge)).collect();
+    by_place.sort_by_key(|&(ends, edge)| (ends, edge.face));
+    let tip_place = |edge: Edge| mesh.positions()[edge.tip.index()];
+    for group in by_place.chunk_by(|a, b| a.0 == b.0) {
+        // The two sides of a card meet all around, and stay two.
+        let is_card = matches!(group, [(_, a), (_, b)] if tip_place(*a) == tip_place(*b));
+        if group.len() < 2 || group[0].0[0] == group[0].0[1] || is_card {
+            continue;
+        }
+        let [from, to] = group[0].1.ends;
+        for (_, edge) in &group[1..] {
+            joined.unite(from.index(), edge.ends[0].index());
+            joined.unite(to.index(), edge.ends[1].index());
+        }
+    }
+    let lowest: Vec<usize> = (0..mesh.vertex_count()).map(|v| joined.find(v)).collect();
+    let found = Found::of((0..lowest.len()).filter(|&v| lowest[v] != v));
+    (found.count > 0).then(|| {
+        let faces: Vec<[usize; 3]> = mesh.faces().iter().map(|face| face.map(|v| lowest[v.index()])).collect();
+        let mesh = TriMesh::new(mesh.positions().to_vec(), &faces).expect("vertices of the mesh");
+        Welded { mesh, joined: found }
+    })
+}
+
+fn is_disk(mesh: &TriMesh) -> bool {
+    Topology::build(mesh.vertex_count(), mesh.faces()).is_ok_and(|topology| topology.require_disk().is_ok())
+}
+
+/// An edge of one face.
+#[derive(Clone, Copy)]
+struct Edge {
+    ends: [VertexId; 2],
+    /// The third vertex of its face.
+    tip: VertexId,
+    face: usize,
+}
+
+fn boundary_edges(mesh: &TriMesh) -> Vec<Edge> {
+    let of_face = |(face, &[a, b, c]): (usize, &[VertexId; 3])| {
+        [(a, b, c), (b, c, a), (c, a, b)].map(|(from, to, tip)| Edge { ends: [from, to], tip, face })
+    };
+    let mut all: Vec<Edge> = mesh.faces().iter().enumerate().flat_map(of_face).collect();
+    let key = |edge: &Edge| [edge.ends[0].min(edge.ends[1]), edge.ends[0].max(edge.ends[1])];
+    all.sort_by_key(|edge| (key(edge), edge.face));
+    all.chunk_by(|a, b| key(a) == key(b)).filter(|same| same.len() == 1).map(|same| same[0]).collect()
+}
+
+/// For every vertex how far one that is meant to be the same may be.
+fn tolerances(mesh: &TriMesh, rule: Weld) -> Vec<f64> {
+    if let Weld::Within(distance) = rule {
+        return vec![distance; mesh.vertex_count()];
+    }
+    let is_single = |x: &f64| f64::from(*x as f32) == *x;
+    let is_single = mesh.positions().iter().all(|p| p.iter().all(is_single));
+    let epsilon = if is_single { f64::from(f32::EPSILON) } else { f64::EPSILON };
+    let mut components = Joined::new(mesh.vertex_count());
+    for [a, b, c] in mesh.faces() {
+        components.unite(a.index(), b.index());
+        components.unite(b.index(), c.index());
+    }
+    let root: Vec<usize> = (0..mesh.vertex_count()).map(|v| components.find(v)).collect();
+    let mut boxes: Vec<Option<(Point3<f64>, Point3<f64>)>> = vec![None; mesh.vertex_count()];
+    for (&root, p) in root.iter().zip(mesh.positions()) {
+        let (low, high) = boxes[root].unwrap_or((*p, *p));
+        boxes[root] = Some((low.inf(p), high.sup(p)));
+    }
+    let sizes: Vec<f64> = boxes.iter().map(|b| b.map_or(0.0, |(low, high)| (high - low).amax())).collect();
+    let ulp = |size: f64| if size > 0.0 { epsilon * size.log2().floor().exp2() } else { 0.0 };
+    root.iter().map(|&root| ULPS * ulp(sizes[root])).collect()
+}
+
+/// Which vertices at the boundary are in one place.
+struct Places {
+    of_vertex: HashMap<VertexId, usize>,
+}
+
+impl Places {
+    /// Joins the places of vertices that are within the smaller of their tolerances in every coordinate.
+    fn find(mesh: &TriMesh, edges: &[Edge], tolerances: &[f64]) -> Self {
+        let mut vertices: Vec<VertexId> = edges.iter().flat_map(|edge| edge.ends).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let at = |v: VertexId| mesh.positions()[v.index()];
+        let order = |a: &VertexId, b: &VertexId| {
+            let (p, q) = (at(*a), at(*b));
+            p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(p.z.total_cmp(&q.z)).then(a.cmp(b))
+        };
+        vertices.sort_by(order);
+        // One for every position, with the largest tolerance there. Zeros of either sign are found as neighbours.
+        let same: Vec<&[VertexId]> =
+            vertices.chunk_by(|a, b| at(*a).coords.map(f64::to_bits) == at(*b).coords.map(f64::to_bits)).collect();
+        let tolerance: Vec<f64> =
+            same.iter().map(|list| list.iter().map(|v| tolerances[v.index()]).fold(0.0, f64::max)).collect();
+        let largest = tolerance.iter().copied().fold(0.0, f64::max);
+        // With no tolerance at all, only zeros of either sign are to be found.
+        let width = if largest > 0.0 { CELL * largest } else { f64::MIN_POSITIVE };
+        let range = |x: f64| [x - largest, x + largest].map(|x| (x / width).floor() as i64);
+        let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+        let mut joined = Joined::new(same.len());
+        for (i, list) in same.iter().enumerate() {
+            let p = at(list[0]);
+            let [x, y, z] = [p.x, p.y, p.z].map(range);
+            for cell in (x[0]..=x[1])
+                .flat_map(|x| (y[0]..=y[1]).map(move |y| [x, y]))
+                .flat_map(|[x, y]| (z[0]..=z[1]).map(move |z| [x, y, z]))
+            {
+                let near = cells.entry(cell).or_default();
+                for &j in near.iter() {
+                    if (at(same[j][0]) - p).amax() <= tolerance[i].min(tolerance[j]) {
+                        joined.unite(i, j);
+                    }
+                }
+                near.push(i);
+            }
+        }
+        let mut of_vertex = HashMap::with_capacity(vertices.len());
+        for (i, list) in same.iter().enumerate() {
+            let place = joined.find(i);
+            of_vertex.extend(list.iter().map(|&v| (v, place)));
+        }
+        Self { of_vertex }
+    }
+
+    /// The places of the ends of an edge, the lower first, and the edge in that direction.
+    fn along(&self, edge: Edge) -> ([usize; 2], Edge) {
+        let [a, b] = edge.ends.map(|v| self.of_vertex[&v]);
+        if a <= b { ([a, b], edge) } else { ([b, a], Edge { ends: [edge.ends[1], edge.ends[0]], ..edge }) }
+    }
+}
+
+impl fmt::Display for Weld {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Off => f.write_str("off"),
+            Self::Within(distance) => write!(f, "{distance}"),
+        }
+    }
+}
+
+impl FromStr for Weld {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "auto" => Ok(Self::Auto),
+            "off" => Ok(Self::Off),
+            _ => match s.parse() {
+                Ok(distance) if (0.0..f64::INFINITY).contains(&distance) => Ok(Self::Within(distance)),
+                _ => Err(format!("'{s}' does not say what to weld; there are: auto, off, or a distance of at least 0")),
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::repair;
+    use crate::test_support::{mesh, octahedron, sheet, tetrahedron, torus};
+
+    /// The same triangles with vertices of their own.
+    fn soup(input: &TriMesh) -> TriMesh {
+        let points: Vec<[f64; 3]> = input.triangles().flatten().map(|p| [p.x, p.y, p.z]).collect();
+        let faces: Vec<[usize; 3]> = (0..input.face_count()).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        mesh(&points, &faces)
+    }
+
+    #[test]
+    fn a_soup_becomes_what_it_was() {
+        for input in [octahedron(), tetrahedron(), torus(7, 5), sheet(3, 4)] {
+            let soup = soup(&input);
+            let welded = weld(&soup, Weld::Auto).expect("something to join");
+            let (was, is) = (repair(&input).expect("a mesh"), repair(&welded.mesh).expect("a mesh"));
+            assert!(is.report.is_clean());
+            assert_eq!(is.topology.euler_characteristic(), was.topology.euler_characteristic());
+            assert_eq!(is.topology.boundary_edge_count(), was.topology.boundary_edge_count());
+            assert_eq!(welded.joined.count, soup.vertex_count() - input.vertex_count());
+            assert_eq!(weld(&soup, Weld::Off), None);
+        }
+    }
+
+    #[test]
+    fn a_seam_that_is_off_by_rounding_is_joined_and_one_that_is_off_by_more_is_not() {
+        // A sphere without its caps, whose last column is the first a turn later: sin 2π is no zero.
+        let (columns, rows) = (16, 6);
+        let point = |i: usize| {
+            let (turn, tilt) = ((i % (columns + 1)) as f64 / columns as f64, (i / (columns + 1)) as f64 - 2.5);
+            let angle = turn * std::f64::consts::TAU;
+            [angle.cos() * (0.4 * tilt).cos(), angle.sin() * (0.4 * tilt).cos(), 0.4 * tilt]
+        };
+        let points: Vec<[f64; 3]> = (0..(columns + 1) * rows).map(point).collect();
+        let square = |i: usize| {
+            let a = i / columns * (columns + 1) + i % columns;
+            [[a, a + 1, a + columns + 2], [a, a + columns + 2, a + columns + 1]]
+        };
+        let mut faces: Vec<[usize; 3]> = (0..columns * (rows - 1)).flat_map(square).collect();
+        // The strip is a disk as it stands, and stays one; with a triangle beside it there is no disk any more.
+        assert_eq!(weld(&mesh(&points, &faces), Weld::Auto), None);
+        let mut more = points.clone();
+        more.extend([[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
+        faces.push([points.len(), points.len() + 1, points.len() + 2]);
+        let welded = weld(&mesh(&more, &faces), Weld::Auto).expect("a seam");
+        assert_eq!(welded.joined, Found { count: rows, first: Some(columns) });
+        let mut off = more.clone();
+        (0..rows).for_each(|row| off[row * (columns + 1)][1] += 1e-9);
+        assert_eq!(weld(&mesh(&off, &faces), Weld::Auto), None);
+        assert_eq!(weld(&mesh(&off, &faces), Weld::Within(1e-8)).map(|w| w.joined.count), Some(rows));
+    }
+
+    #[test]
+    fn coordinates_of_32_bits_have_larger_units() {
+        let pair = |gap: f64| {
+            let points =
+                [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [1.0, gap, 0.0], [0.0, -1.0, 0.0]];
+            weld(&mesh(&points, &[[0, 1, 2], [4, 3, 5]]), Weld::Auto).map(|w| w.joined.count)
+        };
+        assert_eq!(pair(f64::from(f32::EPSILON)), Some(2));
+        assert_eq!(pair(f64::from(f32::EPSILON) * 16.0), None);
+        // No 32-bit number.
+        assert_eq!(pair(1e-10), None);
+    }
+
+    #[test]
+    fn vertices_that_only_touch_and_the_two_sides_of_a_card_are_left_alone() {
+        // Two triangles with one corner in one place, and a card with a back of its own.
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let touching: Vec<[f64; 3]> = points.into_iter().chain(points.map(|p| p.map(|x| -x))).collect();
+        assert_eq!(weld(&mesh(&touching, &[[0, 1, 2], [3, 4, 5]]), Weld::Auto), None);
+        let card: Vec<[f64; 3]> = points.into_iter().chain(points).collect();
+        assert_eq!(weld(&mesh(&card, &[[0, 1, 2], [5, 4, 3]]), Weld::Auto), None);
+    }
+
+    #[test]
+    fn rules_are_read_as_they_are_written() {
+        for rule in [Weld::Auto, Weld::Off, Weld::Within(0.25), Weld::Within(0.0)] {
+            assert_eq!(rule.to_string().parse(), Ok(rule));
+        }
+        for bad in ["", "-1", "nan", "inf", "on"] {
+            assert!(bad.parse::<Weld>().is_err(), "{bad}");
+        }
+    }
+}
