@@ -198,7 +198,11 @@ impl Unwrap {
         let in_range = mesh.in_range();
         let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
         ask(observer, Event::Working)?;
-        let welded = weld(working, self.weld);
+        let rule = match self.weld {
+            Weld::Within(distance) => Weld::Within(distance * scale),
+            rule => rule,
+        };
+        let welded = weld(working, rule);
         let mut repaired = repair(welded.as_ref().map_or(working, |welded| &welded.mesh))?;
         repaired.report.joined_vertices = welded.as_ref().map(|welded| welded.joined).unwrap_or_default();
         ask(observer, Event::Working)?;
