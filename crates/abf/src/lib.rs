@@ -44,25 +44,19 @@ pub use abf_control::{
     Termination, Verdict,
 };
 pub use abf_cut::Weld;
-pub use abf_embed::Descent;
 pub use abf_metrics::{Certificate, Metrics, MetricsError, Precision};
 pub use abf_reconstruct::{LayoutKind, LayoutSettings};
-pub use abf_solve_abf_newton::{AbfNewton, NewtonMethod};
-pub use abf_solve_barrier::Barrier;
 pub use abf_solve_core::{
     AngleSolution, AngleSolver, BoundRule, Hessian, InnerTolerance, IterativeSettings, LineSearch, NewtonSettings,
     PreconditionerKind, Reduction,
 };
-pub use abf_solve_linabf::{LinAbf, Passes};
-pub use abf_solve_minres::Minres;
-pub use abf_solve_uzawa::Uzawa;
 pub use arrays::{ArrayError, ArrayUnwrapper, UnwrappedArrays};
 pub use atlas::{Atlas, AtlasError, AtlasPages, Packed, Placement, Stored};
 pub use error::FlattenError;
 pub use flattening::{Flattening, LayoutReport, RungReport};
 pub use precision_limits::PrecisionLimits;
 pub use run::flatten;
-pub use settings::{Ladder, Pipeline, Solver, SolverKind, SolverParts, UnknownSolver, ZeroArea, predict_memory};
+pub use settings::*;
 pub use unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped, UnwrappedChart};
 
 /// The code in the documents compiles and runs.

@@ -13,17 +13,38 @@ use std::time::{Duration, Instant};
 /// Every solver that solves for angles, with its default settings; but the barrier all but gone where the interior
 /// point ends, which else stays in its optimum.
 fn solvers() -> Vec<Box<dyn AngleSolver>> {
-    Solver::all().into_iter().filter_map(of_angles).collect()
+    let solvers = Solver::all().into_iter().filter(|solver| solver.angle_solver().is_some());
+    solvers.map(|solver| Box::new(OfAngles(without_a_floor(solver))) as Box<dyn AngleSolver>).collect()
 }
 
-fn of_angles(solver: Solver) -> Option<Box<dyn AngleSolver>> {
-    match solver {
-        Solver::LinAbf(solver) => Some(Box::new(solver)),
-        Solver::Newton(solver) => Some(Box::new(solver)),
-        Solver::Uzawa(solver) => Some(Box::new(solver)),
-        Solver::Minres(solver) => Some(Box::new(solver)),
-        Solver::Barrier(solver) => Some(Box::new(Barrier { barrier_floor: 1e-11, smallest_angle: 0.0, ..solver })),
-        Solver::Custom(_) | Solver::Auto(_) | Solver::Descent(_) | Solver::Lscm => None,
+fn without_a_floor(mut solver: Solver) -> Solver {
+    if let Some(barrier) = solver.parts_mut().barrier {
+        *barrier = Barrier { barrier_floor: 1e-11, smallest_angle: 0.0, ..*barrier };
+    }
+    solver
+}
+
+/// A solver of angles as [`Solver`] has it.
+struct OfAngles(Solver);
+
+impl OfAngles {
+    fn angle_solver(&self) -> &dyn AngleSolver {
+        self.0.angle_solver().expect("a solver of angles")
+    }
+}
+
+impl AngleSolver for OfAngles {
+    fn name(&self) -> &'static str {
+        self.angle_solver().name()
+    }
+
+    fn solve(
+        &self,
+        problem: &AngleProblem<'_>,
+        stop: &StopCriteria,
+        observer: &mut dyn Observer,
+    ) -> Result<AngleSolution, abf::solve_core::SolveError> {
+        self.angle_solver().solve(problem, stop, observer)
     }
 }
 

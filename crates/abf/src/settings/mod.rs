@@ -1,5 +1,6 @@
 //! What may be asked of a flattening. Nothing in here runs anything.
 
+mod growth;
 mod ladder;
 mod memory;
 mod pipeline;
@@ -11,6 +12,7 @@ pub use ladder::Ladder;
 pub use memory::predict_memory;
 pub use pipeline::Pipeline;
 pub(crate) use solver::Method;
-pub use solver::{Solver, SolverParts};
+// The solvers and their settings: a new one is named in solver.rs alone.
+pub use solver::*;
 pub use solver_kind::{SolverKind, UnknownSolver};
 pub use zero_area::ZeroArea;

@@ -1,17 +1,22 @@
 //! A solver with its settings: one value.
 
 use crate::FlattenError;
+use crate::settings::growth::Growth;
 use crate::settings::{Ladder, SolverKind, UnknownSolver};
-use abf_embed::Descent;
-use abf_solve_abf_newton::{AbfNewton, NewtonMethod};
-use abf_solve_barrier::Barrier;
-use abf_solve_core::{AngleSolver, IterativeSettings, NewtonSettings};
-use abf_solve_linabf::{LinAbf, Passes};
-use abf_solve_minres::Minres;
-use abf_solve_uzawa::Uzawa;
+use abf_constraints::WheelForm;
+use abf_solve_abf_newton::Inner;
+use abf_solve_core::{AngleSolver, Hessian, IterativeSettings, NewtonSettings};
 use std::fmt;
+use std::num::NonZeroUsize;
 use std::str::FromStr;
 use std::sync::Arc;
+
+pub use abf_embed::Descent;
+pub use abf_solve_abf_newton::{AbfNewton, NewtonMethod};
+pub use abf_solve_barrier::Barrier;
+pub use abf_solve_linabf::{LinAbf, Passes};
+pub use abf_solve_minres::Minres;
+pub use abf_solve_uzawa::Uzawa;
 
 /// A solver with its settings.
 ///
@@ -235,6 +240,26 @@ impl Solver {
             }
         }
     }
+
+    /// How the memory of its runs grows with the mesh.
+    pub(super) fn growth(&self) -> Growth {
+        match self {
+            Self::LinAbf(LinAbf { passes: Passes::Exactly(NonZeroUsize::MIN) }) => Growth::ONE_PASS,
+            Self::LinAbf(_) => Growth::LEAN,
+            // What a solver of a user's own takes is not known here; the mesh and a layout are.
+            Self::Lscm | Self::Custom(_) => Growth::LSCM,
+            Self::Newton(AbfNewton { inner: Inner::FullKkt, .. }) => Growth::WHOLE_LU,
+            Self::Newton(AbfNewton { newton, .. }) => match (newton.wheel, newton.hessian) {
+                (WheelForm::Product, Hessian::Exact) => Growth::WHOLE_LU,
+                (WheelForm::Log, Hessian::GaussNewton) => Growth::FROZEN,
+                (WheelForm::Product, Hessian::GaussNewton) | (WheelForm::Log, Hessian::Exact) => Growth::DIRECT,
+            },
+            Self::Uzawa(Uzawa { iterative, .. }) => Growth::of_iterations(iterative, Growth::UZAWA),
+            Self::Minres(Minres { iterative, .. }) => Growth::of_iterations(iterative, Growth::MINRES),
+            Self::Barrier(_) => Growth::BARRIER,
+            Self::Descent(_) | Self::Auto(_) => Growth::DESCENT,
+        }
+    }
 }
 
 /// The settings of a [`Solver`] by what they are about; `None` where it has none such.
@@ -318,46 +343,25 @@ impl FromStr for Solver {
     }
 }
 
-impl From<Ladder> for Solver {
-    fn from(ladder: Ladder) -> Self {
-        Self::Auto(ladder)
-    }
+/// Every solver turns into the value that holds it.
+macro_rules! from_solvers {
+    ($($solver:ident => $variant:ident),* $(,)?) => {$(
+        impl From<$solver> for Solver {
+            fn from(solver: $solver) -> Self {
+                Self::$variant(solver)
+            }
+        }
+    )*};
 }
 
-impl From<LinAbf> for Solver {
-    fn from(solver: LinAbf) -> Self {
-        Self::LinAbf(solver)
-    }
-}
-
-impl From<AbfNewton> for Solver {
-    fn from(solver: AbfNewton) -> Self {
-        Self::Newton(solver)
-    }
-}
-
-impl From<Uzawa> for Solver {
-    fn from(solver: Uzawa) -> Self {
-        Self::Uzawa(solver)
-    }
-}
-
-impl From<Minres> for Solver {
-    fn from(solver: Minres) -> Self {
-        Self::Minres(solver)
-    }
-}
-
-impl From<Barrier> for Solver {
-    fn from(solver: Barrier) -> Self {
-        Self::Barrier(solver)
-    }
-}
-
-impl From<Descent> for Solver {
-    fn from(solver: Descent) -> Self {
-        Self::Descent(solver)
-    }
+from_solvers! {
+    Ladder => Auto,
+    LinAbf => LinAbf,
+    AbfNewton => Newton,
+    Uzawa => Uzawa,
+    Minres => Minres,
+    Barrier => Barrier,
+    Descent => Descent,
 }
 
 #[cfg(test)]
