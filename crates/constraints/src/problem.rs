@@ -21,11 +21,15 @@ pub struct EstimateSettings {
     /// The smallest angle a pass may start from, rad; the largest is π minus this. Angles beyond
     /// are moved to the bound, and counted. Triangles without a shape get at least this, too.
     pub angle_bound: f64,
+    /// Whether an angle that the surface itself has beyond the bound may stay as it is: the bound of each corner is then
+    /// the smaller of [`angle_bound`](Self::angle_bound) and its own angle, and likewise below π. A thin triangle of a
+    /// flat sheet keeps its shape this way.
+    pub keep_thin: bool,
 }
 
 impl Default for EstimateSettings {
     fn default() -> Self {
-        Self { ring_switch: Some(1.0), angle_bound: 1e-3 }
+        Self { ring_switch: Some(1.0), angle_bound: 1e-3, keep_thin: true }
     }
 }
 
@@ -100,6 +104,8 @@ pub struct AngleProblem<'a> {
     switched_rings: usize,
     moved_angles: usize,
     shapeless_faces: usize,
+    /// How many angles of the surface are beyond the bounds and may stay there.
+    thin_corners: usize,
 }
 
 impl<'a> AngleProblem<'a> {
@@ -159,7 +165,12 @@ impl<'a> AngleProblem<'a> {
             0 => mesh_angles.clone(),
             _ => angles().map(start_of).collect(),
         };
-        let moved_angles = settings.clamp(&mut estimate);
+        let bounds = settings.angle_bound..=PI - settings.angle_bound;
+        let thin_corners = match settings.keep_thin {
+            true => mesh_angles.iter().filter(|x| !bounds.contains(x)).count(),
+            false => 0,
+        };
+        let moved_angles = clamp(&settings, &mesh_angles, thin_corners, &mut estimate);
         let weight = target.par_iter().with_min_len(PER_TASK).map(|a| 1.0 / (a * a)).collect();
         Ok(Self {
             topology,
@@ -172,6 +183,7 @@ impl<'a> AngleProblem<'a> {
             switched_rings,
             moved_angles,
             shapeless_faces,
+            thin_corners,
         })
     }
 
@@ -244,11 +256,40 @@ impl<'a> AngleProblem<'a> {
         self.moved_angles
     }
 
+    /// How many angles of the surface are beyond the angle bounds and may stay there: see [`EstimateSettings::keep_thin`].
+    #[must_use]
+    pub fn thin_corners(&self) -> usize {
+        self.thin_corners
+    }
+
+    /// Moves every angle into the bounds of its corner and says how many were outside. NaN is moved to the lower bound.
+    #[must_use]
+    pub fn clamp(&self, angles: &mut [f64]) -> usize {
+        clamp(&self.settings, &self.mesh_angles, self.thin_corners, angles)
+    }
+
     /// `2π − Σα°` at an interior vertex: its angle deficit, the discrete Gauss curvature, rad.
     #[must_use]
     pub fn deficit(&self, vertex: VertexId) -> f64 {
         TAU - ring_sum(self.topology, vertex, &self.mesh_angles)
     }
+}
+
+/// Moves angles into the bounds of their corners, which reach as far as the angles of the surface where some are thin.
+fn clamp(settings: &EstimateSettings, own: &[f64], thin_corners: usize, angles: &mut [f64]) -> usize {
+    if thin_corners == 0 {
+        return settings.clamp(angles);
+    }
+    let bound = settings.angle_bound;
+    let move_in = |(x, &own): (&mut f64, &f64)| {
+        let (low, high) = (bound.min(own), (PI - bound).max(own));
+        let is_outside = !(low..=high).contains(x);
+        if is_outside {
+            *x = if *x > high { high } else { low };
+        }
+        usize::from(is_outside)
+    };
+    angles.par_iter_mut().with_min_len(PER_TASK).zip(own).map(move_in).sum()
 }
 
 fn ring_sum(topology: &Topology, vertex: VertexId, angles: &[f64]) -> f64 {
@@ -337,6 +378,25 @@ mod tests {
         let mut angles = [-0.5, 1.0, 3.2, f64::NAN, settings.angle_bound];
         assert_eq!(settings.clamp(&mut angles), 3);
         assert_eq!(angles, [1e-3, 1.0, PI - 1e-3, 1e-3, 1e-3]);
+    }
+
+    #[test]
+    fn a_thin_triangle_keeps_its_angles_and_others_keep_the_bound() {
+        let mesh = Shape::Obtuse.mesh(3);
+        let topology = topology(&mesh);
+        let mut own = mesh.corner_angles();
+        own[..3].copy_from_slice(&[1e-4, PI - 3e-4, 2e-4]);
+        let with = |keep_thin| {
+            let settings = EstimateSettings { keep_thin, ring_switch: None, ..EstimateSettings::default() };
+            AngleProblem::new(&topology, own.clone(), settings).expect("a disk")
+        };
+        let (kept, moved) = (with(true), with(false));
+        assert_eq!((kept.thin_corners(), kept.moved_angles(), kept.estimate()), (3, 0, &own[..]));
+        assert_eq!((moved.thin_corners(), moved.moved_angles()), (0, 3));
+        let mut angles = own.clone();
+        (angles[0], angles[1], angles[4]) = (1e-5, 4.0, 1e-5);
+        assert_eq!(kept.clamp(&mut angles), 3);
+        assert_eq!((angles[0], angles[1], angles[4]), (1e-4, PI - 3e-4, 1e-3));
     }
 
     #[test]

@@ -209,7 +209,7 @@ impl<'p, 'a> Run<'p, 'a> {
 
     /// One pass: from the last angles, kept inside the bounds, to the least-norm correction.
     fn pass(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Result<(), StepError> {
-        let moved = self.problem.settings().clamp(&mut self.angles);
+        let moved = self.problem.clamp(&mut self.angles);
         if moved > 0 {
             (self.residual, self.wheel) = linearise(self.problem.rows(), &self.angles);
         }

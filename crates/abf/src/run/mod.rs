@@ -2,11 +2,12 @@
 
 mod ladder;
 mod task;
+mod thin;
 
 use crate::settings::{Method, Pipeline, Solver, SolverKind, ZeroArea, predict_memory};
 use crate::{FlattenError, Flattening};
-use abf_constraints::AngleProblem;
-use abf_control::{Observer, Silent, Stage};
+use abf_constraints::{AngleProblem, EstimateSettings};
+use abf_control::{Observer, Silent, Stage, TimeBudget};
 use abf_mesh::{GeometryError, Topology, TriMesh};
 use abf_reconstruct::LayoutKind;
 use abf_solve_linabf::LinAbf;
@@ -49,6 +50,7 @@ impl Pipeline {
         self.check_layout()?;
         self.check_memory(mesh)?;
         self.solver.check()?;
+        let budget = TimeBudget::start(&self.stop);
         begin(observer, Stage::Topology)?;
         // No faces is the more useful complaint, so topology comes before geometry.
         let in_range = mesh.in_range();
@@ -56,17 +58,43 @@ impl Pipeline {
         let (topology, angles) =
             rayon::join(|| Topology::build(mesh.vertex_count(), mesh.faces()), || self.corner_angles(mesh, working));
         let topology = topology?;
-        let problem = match shape {
-            Shape::Disk => AngleProblem::new(&topology, angles?, self.estimate)?,
-            Shape::Any => AngleProblem::unclosed(&topology, angles?, self.estimate)?,
+        let angles = angles?;
+        let pose = |estimate: EstimateSettings, angles: Vec<f64>| match shape {
+            Shape::Disk => AngleProblem::new(&topology, angles, estimate),
+            Shape::Any => AngleProblem::unclosed(&topology, angles, estimate),
         };
-        let given = Given { pipeline: self, original: mesh, mesh: working, scale, problem: &problem };
-        let solver = self.solver.kind();
+        let solve = |problem: &AngleProblem<'_>, pipeline: &Self, observer: &mut dyn Observer| {
+            let given = Given { pipeline, original: mesh, mesh: working, scale, problem };
+            let solver = pipeline.solver.kind();
+            match pipeline.solver.method() {
+                Method::Ladder(ladder) => climb(&given, ladder, observer),
+                Method::Angles(angles) => Task::new(given, solver, Single::Angles(angles)).run(observer),
+                Method::Positions(descent) => Task::new(given, solver, Single::Positions(descent)).run(observer),
+                Method::SurfaceAngles => Task::new(given, solver, Single::SurfaceAngles).run(observer),
+            }
+        };
+        let problem = pose(self.estimate, angles.clone())?;
+        let flat = solve(&problem, self, observer);
+        if problem.thin_corners() == 0 || !self.uses_the_estimate() || budget.is_spent() {
+            return flat;
+        }
+        let bounded = pose(EstimateSettings { keep_thin: false, ..self.estimate }, angles)?;
+        thin::better(mesh, flat, |own| {
+            // A rung that goes on to the optimum comes to the same one from either start.
+            let is_optimal = own.is_some_and(|kind| matches!(kind, SolverKind::Barrier | SolverKind::Descent));
+            let solver = match &self.solver {
+                Solver::Auto(ladder) if is_optimal => ladder.linabf.into(),
+                solver => solver.clone(),
+            };
+            solve(&bounded, &Self { stop: budget.left(), solver, ..self.clone() }, observer)
+        })
+    }
+
+    /// Whether the result depends on where the angles start.
+    fn uses_the_estimate(&self) -> bool {
         match self.solver.method() {
-            Method::Ladder(ladder) => climb(&given, ladder, observer),
-            Method::Angles(angles) => Task::new(given, solver, Single::Angles(angles)).run(observer),
-            Method::Positions(descent) => Task::new(given, solver, Single::Positions(descent)).run(observer),
-            Method::SurfaceAngles => Task::new(given, solver, Single::SurfaceAngles).run(observer),
+            Method::Ladder(_) | Method::Angles(_) => true,
+            Method::Positions(_) | Method::SurfaceAngles => false,
         }
     }
 

@@ -146,6 +146,7 @@ fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
         estimate: EstimateSettings {
             ring_switch: args.ring_switch.map_or(estimate.ring_switch, |given| given.0),
             angle_bound: args.angle_bound.unwrap_or(estimate.angle_bound),
+            ..estimate
         },
         stop: StopCriteria {
             tolerance: args.tolerance.unwrap_or(stop.tolerance),

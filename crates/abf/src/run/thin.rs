@@ -1,0 +1,53 @@
+//! Meshes with angles below the bound: solved with their own angles and with bounded ones, and the better kept.
+//!
+//! Neither is always right. A flat sheet with needles in it is exact with its own angles; a needle on a curved surface can
+//! spoil the linearisation, and the bound is what keeps its neighbours in shape.
+
+use crate::{FlattenError, Flattening, SolverKind};
+use abf_mesh::TriMesh;
+use abf_metrics::Metrics;
+use abf_control::Termination;
+
+/// A map whose L² stretch is above 1 by no more than this has nothing to gain.
+const ISOMETRIC: f64 = 1e-9;
+
+/// Stretches this near to each other, relative, are the same: the weighted F decides then.
+const SAME_STRETCH: f64 = 1e-6;
+
+/// The better of a result and another, which is made only where the first leaves something to gain; `bounded` is told
+/// whose result the first is.
+pub(crate) fn better(
+    mesh: &TriMesh,
+    own: Result<Flattening, FlattenError>,
+    bounded: impl FnOnce(Option<SolverKind>) -> Result<Flattening, FlattenError>,
+) -> Result<Flattening, FlattenError> {
+    let own = match own {
+        Ok(own) => own,
+        Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        Err(error) => return bounded(None).map_err(|_| error),
+    };
+    let Ok(with_own) = own.metrics(mesh) else { return Ok(own) };
+    let is_exact = own.is_certified() && with_own.stretch_l2 <= 1.0 + ISOMETRIC;
+    if is_exact || own.termination == Termination::Cancelled {
+        return Ok(own);
+    }
+    let bounded = match bounded(Some(own.solver)) {
+        Ok(bounded) => bounded,
+        Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        Err(_) => return Ok(own),
+    };
+    let Ok(with_bound) = bounded.metrics(mesh) else { return Ok(own) };
+    let is_better = is_better(&(&bounded, &with_bound), &(&own, &with_own));
+    Ok(if is_better { bounded } else { own })
+}
+
+/// Certified before valid before not; then without overlap, less stretch, less relative angle error.
+fn is_better(one: &(&Flattening, &Metrics), other: &(&Flattening, &Metrics)) -> bool {
+    let rank = |(flat, metrics): &(&Flattening, &Metrics)| (flat.is_certified(), metrics.valid(), metrics.injective());
+    if rank(one) != rank(other) {
+        return rank(one) > rank(other);
+    }
+    let (a, b) = (one.1.stretch_l2, other.1.stretch_l2);
+    let is_same = (a - b).abs() <= SAME_STRETCH * b;
+    if is_same { one.1.f_weighted < other.1.f_weighted } else { a < b }
+}
