@@ -1,0 +1,169 @@
+//! Hard surfaces: planar and developable parts, unfolded and joined along their creases.
+//!
+//! 1. Faces in one plane are a facet.
+//! 2. Facets that meet at small angles are a smooth region. If it unfolds in one piece, it is developable; otherwise it is
+//!    curved in two directions, and left to a flattening.
+//! 3. Developable regions are joined along creases, the longest shared crease first, as long as nothing meets in the plane.
+//!
+//! Equal creases are taken in the order of their places, so the order of vertices and faces decides nothing.
+
+mod facets;
+mod net;
+
+use crate::Seams;
+use crate::paths::Joined;
+use crate::seams::interior_edges;
+use abf_mesh::{FaceId, Topology, TriMesh};
+use facets::{Facets, Fold, compare, folds, normals, quantised};
+use net::Nets;
+use std::collections::HashMap;
+
+/// A region that unfolds only with more than this part of its smooth edges cut, by length, is no developable one.
+const MOST_CUT: f64 = 0.2;
+
+/// A surface is a hard one when at least this part of its area is in planar facets of developable regions.
+const HARD: f64 = 0.5;
+
+/// How a hard surface comes apart.
+#[derive(Clone, Debug)]
+pub struct HardSurface {
+    /// The edges between nets, and around regions that are not developable.
+    pub seams: Seams,
+    /// How much of the area is in planar facets of several faces, in developable regions.
+    pub share: f64,
+    /// How many planar facets there are.
+    pub facets: usize,
+}
+
+/// Takes a hard surface apart; `None` where less than half of it is planar or developable.
+///
+/// Edges where the surface turns by no more than `crease_angle`, rad, are smooth.
+#[must_use]
+pub fn hard_surface(mesh: &TriMesh, topology: &Topology, crease_angle: f64) -> Option<HardSurface> {
+    let diagonal = crate::seams::diagonal(mesh);
+    if !(diagonal > 0.0) {
+        return None;
+    }
+    let normals = normals(mesh);
+    let facets = Facets::grow(mesh, topology, diagonal);
+    let planar = |f: FaceId| facets.sizes[facets.of_face[f.index()] as usize] > 1;
+    let area = |f: FaceId| {
+        let [a, b, c] = mesh.triangle(f);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    };
+    let total: f64 = topology.faces().map(area).sum();
+    let share_of = |keep: &dyn Fn(FaceId) -> bool| topology.faces().filter(|&f| keep(f)).map(area).sum::<f64>() / total;
+    if !(share_of(&planar) >= HARD) {
+        return None;
+    }
+    let folds = in_order(mesh, topology, &facets, folds(mesh, topology, &facets, &normals), crease_angle, diagonal);
+    let mut nets = Nets::new(topology, &facets, diagonal);
+    let smooth = folds.partition_point(|fold| fold.turn <= crease_angle);
+    folds[..smooth].iter().for_each(|fold| {
+        nets.join(fold);
+    });
+    let region_of = regions(topology, &facets, &folds[..smooth]);
+    let is_developable = developable(&folds[..smooth], &region_of, &nets);
+    let developable = |f: FaceId| is_developable[region_of[f.index()]];
+    let share = share_of(&|f| planar(f) && developable(f));
+    if !(share >= HARD) {
+        return None;
+    }
+    for fold in &folds[smooth..] {
+        if developable(fold.corner.face()) && developable(fold.opposite.face()) {
+            nets.join(fold);
+        }
+    }
+    let mut seams = Seams::none(topology);
+    for (c, o) in interior_edges(topology) {
+        let (one, other) = (c.face(), o.face());
+        let is_inside = match (developable(one), developable(other)) {
+            (true, true) => nets.is_welded(c),
+            (false, false) => region_of[one.index()] == region_of[other.index()],
+            _ => false,
+        };
+        if !is_inside {
+            seams.insert(topology, c);
+        }
+    }
+    Some(HardSurface { seams, share, facets: facets.sizes.len() })
+}
+
+/// Smooth edges, then creases, each from the longest shared one to the shortest.
+fn in_order(
+    mesh: &TriMesh,
+    topology: &Topology,
+    facets: &Facets,
+    mut folds: Vec<Fold>,
+    crease_angle: f64,
+    diagonal: f64,
+) -> Vec<Fold> {
+    let pair = |fold: &Fold| {
+        let [a, b] = [fold.corner, fold.opposite].map(|c| facets.of_face[c.face().index()]);
+        [a.min(b), a.max(b)]
+    };
+    let mut shared: HashMap<[u32; 2], f64> = HashMap::new();
+    folds.iter().for_each(|fold| *shared.entry(pair(fold)).or_default() += fold.length);
+    let middle = |fold: &Fold| {
+        let [a, b] = crate::seams::ends(topology, fold.corner).map(|v| mesh.positions()[v.index()]);
+        let sum = a.coords + b.coords;
+        [sum.x, sum.y, sum.z]
+    };
+    let key = |fold: &Fold| {
+        let of_whole = |length: f64| -quantised(length / diagonal);
+        (fold.turn > crease_angle, of_whole(shared[&pair(fold)]), of_whole(fold.length))
+    };
+    folds.sort_by_cached_key(|fold| {
+        let [x, y, z] = middle(fold);
+        (key(fold), Place([x, y, z]), fold.corner)
+    });
+    folds
+}
+
+/// A point in the order of its coordinates.
+#[derive(PartialEq)]
+struct Place([f64; 3]);
+
+impl Eq for Place {}
+
+impl PartialOrd for Place {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Place {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        compare(&self.0, &other.0)
+    }
+}
+
+/// The smooth region of every face, by its lowest face.
+fn regions(topology: &Topology, facets: &Facets, smooth: &[Fold]) -> Vec<usize> {
+    let mut joined = Joined::new(topology.face_count());
+    for (c, o) in interior_edges(topology) {
+        if facets.of_face[c.face().index()] == facets.of_face[o.face().index()] {
+            joined.unite(c.face().index(), o.face().index());
+        }
+    }
+    smooth.iter().for_each(|fold| {
+        joined.unite(fold.corner.face().index(), fold.opposite.face().index());
+    });
+    (0..topology.face_count()).map(|f| joined.find(f)).collect()
+}
+
+/// For every region, by its lowest face, whether it unfolds in one piece without many cuts.
+fn developable(smooth: &[Fold], region_of: &[usize], nets: &Nets<'_>) -> Vec<bool> {
+    let mut lengths = vec![(0.0, 0.0); region_of.len()];
+    let mut is_one = vec![true; region_of.len()];
+    for fold in smooth {
+        let region = region_of[fold.corner.face().index()];
+        let (cut, all) = &mut lengths[region];
+        *all += fold.length;
+        if !nets.is_welded(fold.corner) {
+            *cut += fold.length;
+            is_one[region] &= nets.net_of(fold.corner.face()) == nets.net_of(fold.opposite.face());
+        }
+    }
+    lengths.iter().zip(is_one).map(|(&(cut, all), is_one)| is_one && cut <= MOST_CUT * all).collect()
+}
