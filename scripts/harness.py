@@ -27,6 +27,11 @@ def program(given):
 
 def run(binary, arguments, meshes):
     """One result per mesh, as the program's JSON has them. RuntimeError: it did not get that far."""
+    return run_with_code(binary, arguments, meshes)[0]
+
+
+def run_with_code(binary, arguments, meshes):
+    """The same with the exit code."""
     ran = subprocess.run([binary, *arguments, "--json", "-", *meshes], capture_output=True, text=True, check=False)
     try:
         results = json.loads(ran.stdout)["results"]
@@ -34,4 +39,4 @@ def run(binary, arguments, meshes):
         raise RuntimeError(f"exit code {ran.returncode}: {ran.stderr.strip()[-400:]}") from None
     if len(results) != len(meshes):
         raise RuntimeError(f"{len(results)} results for {len(meshes)} meshes")
-    return results
+    return results, ran.returncode

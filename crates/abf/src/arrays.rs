@@ -24,12 +24,19 @@ use std::collections::HashMap;
 /// assert_eq!(new_positions.len(), flat.uvs.len());
 /// # Ok::<(), abf::ArrayError>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ArrayUnwrapper {
     /// Seams, holes and the solver.
     pub unwrap: Unwrap,
     /// The layout of the charts.
     pub atlas: Atlas,
+}
+
+impl Default for ArrayUnwrapper {
+    /// The defaults of its parts, but that a disk is cut like everything else when it misses the aim: a texture wants that.
+    fn default() -> Self {
+        Self { unwrap: Unwrap { cut_disks: true, ..Unwrap::default() }, atlas: Atlas::default() }
+    }
 }
 
 /// Why arrays could not be unwrapped.

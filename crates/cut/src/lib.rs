@@ -10,6 +10,9 @@
 //! 5. [`extend`] joins further vertices to the seam: those at which a flattening found the stretch too large;
 //! 6. [`split`] cuts along the seam, into [`Chart`]s.
 //!
+//! Beside that, [`simplify`] makes a coarser mesh to look for seams on, [`hard_surface`] finds the nets of planar and developable parts, and [`two_parts`] takes apart what nothing
+//! else helps.
+//!
 //! Nothing here solves for an angle or knows what stretch is. Seams prefer edges that are short, creased and hidden
 //! ([`EdgeCosts`]); every search is Dijkstra's (1959), so all of it takes time `O(n log n)`.
 //!
@@ -27,9 +30,11 @@ mod extend;
 mod holes;
 mod nets;
 mod open;
+mod part;
 mod paths;
 pub mod repair;
 mod seams;
+mod simplify;
 #[cfg(test)]
 mod test_support;
 mod weld;
@@ -39,8 +44,10 @@ pub use chart::{Chart, split};
 pub use costs::{CostSettings, EdgeCosts};
 pub use extend::{distances, extend};
 pub use holes::{Filled, HoleFilling, fill, loop_length, outer_loop};
-pub use nets::{HardSurface, hard_surface};
+pub use nets::{HardSurface, PlanarFacets, hard_surface, planar_facets};
 pub use open::open;
+pub use part::two_parts;
 pub use repair::{RepairError, RepairReport, Repaired, repair};
 pub use seams::Seams;
+pub use simplify::{Simplified, simplify};
 pub use weld::{Weld, Welded, weld};

@@ -4,9 +4,9 @@
 //! spoil the linearisation, and the bound is what keeps its neighbours in shape.
 
 use crate::{FlattenError, Flattening, SolverKind};
+use abf_control::Termination;
 use abf_mesh::TriMesh;
 use abf_metrics::Metrics;
-use abf_control::Termination;
 
 /// A map whose L² stretch is above 1 by no more than this has nothing to gain.
 const ISOMETRIC: f64 = 1e-9;

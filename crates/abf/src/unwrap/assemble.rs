@@ -1,6 +1,7 @@
 //! From charts back to the corners of the input.
 
-use super::component::{Finished, diagonal};
+use super::finish::Finished;
+use super::surface::diagonal;
 use super::{Unwrapped, UnwrappedChart};
 use abf_cut::{Chart, Repaired, uv_borders};
 use abf_mesh::{CornerId, FaceId, Point2, TriMesh, UvId, UvMap, VertexId};
@@ -18,11 +19,10 @@ pub(super) fn unwrapped(
     precision: Precision,
 ) -> Unwrapped {
     let mut charts = Vec::new();
-    let is_empty: Vec<bool> = finished.iter().map(Vec::is_empty).collect();
+    let without_area = in_no_chart(parts, repaired, &finished);
     for (i, (finished, part)) in finished.into_iter().zip(parts).enumerate() {
         charts.extend(finished.into_iter().map(|one| in_input(i, one, part, repaired, scale, precision)));
     }
-    let without_area: Vec<FaceId> = in_no_chart(parts, repaired, &is_empty);
     let anchor = charts.first().map_or(CornerId::new(0), |chart: &UnwrappedChart| chart.faces[0].corner(0));
     let in_one_point = without_area.iter().flat_map(|face| face.corners()).map(|corner| (corner, anchor));
     let mut whole = Unwrapped {
@@ -73,13 +73,20 @@ fn in_input(
         rounds: finished.rounds,
         holes_filled: finished.holes_filled,
         virtual_faces: finished.virtual_faces,
+        unfinished: finished.is_unfinished,
     }
 }
 
-/// The faces, by their numbers in the input, of the parts that are no chart.
-fn in_no_chart(parts: &[Chart], repaired: &Repaired, is_empty: &[bool]) -> Vec<FaceId> {
-    let empty = parts.iter().zip(is_empty).filter(|&(_, &is_empty)| is_empty);
-    empty.flat_map(|(part, _)| part.faces.iter().map(|f| repaired.faces[f.index()])).collect()
+/// The faces, by their numbers in the input, that are in no chart.
+fn in_no_chart(parts: &[Chart], repaired: &Repaired, finished: &[Vec<Finished>]) -> Vec<FaceId> {
+    let mut nowhere = Vec::new();
+    for (part, finished) in parts.iter().zip(finished) {
+        let mut is_somewhere = vec![false; part.faces.len()];
+        finished.iter().flat_map(|chart| &chart.faces).for_each(|f| is_somewhere[f.index()] = true);
+        let left = part.faces.iter().zip(is_somewhere).filter(|&(_, is_somewhere)| !is_somewhere);
+        nowhere.extend(left.map(|(f, _)| repaired.faces[f.index()]));
+    }
+    nowhere
 }
 
 fn turned(repaired: &Repaired) -> Vec<FaceId> {

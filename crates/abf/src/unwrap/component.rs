@@ -1,121 +1,154 @@
-//! One component: filled, opened, and cut where the stretch is, until it is flat enough.
+//! One component: a list of pieces, each worked on until it is as it should be, or in smaller pieces.
 
-use super::finish::finish;
-use super::overlap::take_apart;
-use super::relay::Ear;
-use super::stretch::Stretch;
-use super::{HoleRule, SeamRule, Unwrap};
-use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolverKind, ZeroArea};
-use abf_constraints::AngleProblem;
-use abf_control::{Cancelled, Event, Observer, Stage, Termination, TimeBudget, Verdict, ask};
-use abf_cut::{Chart, EdgeCosts, Filled, Seams, distances, extend, fill, open, outer_loop, split};
-use abf_mesh::{CornerId, FaceId, Topology, TriMesh, UvMap, VertexId};
-use abf_metrics::Metrics;
-use abf_reconstruct::{LayoutKind, LayoutSettings, layout};
-use abf_solve_core::AngleSolver;
-use abf_solve_linabf::{LinAbf, Passes};
-use std::num::NonZeroUsize;
+use super::finish::{Finished, finish};
+use super::relay::{Ear, Relay};
+use super::{SeamRule, Unwrap};
+use crate::{FlattenError, Pipeline, ZeroArea};
+use abf_constraints::ProblemError;
+use abf_control::{Cancelled, Termination, TimeBudget};
+use abf_cut::{Chart, EdgeCosts, Seams, hard_surface, split, two_parts};
+use abf_embed::EmbedError;
+use abf_mesh::{CornerId, FaceId, Topology, TriMesh};
+use abf_metrics::MetricsError;
+use abf_solve_core::SolveError;
+use rayon::prelude::*;
 
 /// A component, or what kept seams have made of one.
-pub(super) struct Component<'c> {
+pub(super) struct Component<'c, 'o> {
     pub(super) settings: &'c Unwrap,
     pub(super) part: &'c Chart,
+    /// Which one it is.
+    pub(super) number: usize,
+    /// Whether it comes out as it is if it is a disk, whatever its stretch.
+    pub(super) stays_whole: bool,
     /// Whether the edge that a corner of `part` faces may not be a seam.
     pub(super) is_forbidden: &'c (dyn Fn(CornerId) -> bool + Sync),
     /// The time there is for all of them.
     pub(super) budget: &'c TimeBudget,
+    pub(super) relay: &'c Relay<'o>,
 }
 
-/// A chart as it comes out, by the faces of its component.
-#[derive(Clone)]
-pub(super) struct Finished {
-    /// Its faces, by their numbers in the component, ascending.
-    pub(super) faces: Vec<FaceId>,
-    /// Corner `k` of its `i`-th face is corner `k` of `faces[i]`.
-    pub(super) uv: UvMap,
-    pub(super) metrics: Metrics,
-    pub(super) solver: SolverKind,
-    pub(super) termination: Termination,
-    pub(super) layout: LayoutReport,
-    pub(super) rungs: Vec<RungReport>,
-    pub(super) layout_error: Option<f64>,
-    pub(super) rounds: usize,
-    pub(super) holes_filled: usize,
-    pub(super) virtual_faces: usize,
+/// What became of a piece.
+pub(super) enum Attempt {
+    /// Charts that are as they should be, and pieces that are not.
+    Done(Vec<Finished>, Vec<Chart>),
+    /// No map of it is as it should be.
+    Missed,
+    /// There was no time to finish it; with its last valid map.
+    Interrupted(Termination, Option<Box<Finished>>),
 }
 
-/// A component with its holes closed, and where it is cut.
-struct Surface {
-    mesh: TriMesh,
-    topology: Topology,
-    /// How many faces are real; the others are virtual.
-    real: usize,
-    costs: EdgeCosts,
-    diagonal: f64,
-    seams: Seams,
-    holes_filled: usize,
-}
-
-impl Component<'_> {
-    pub(super) fn run(&self, observer: &mut Ear<'_, '_>) -> Result<Vec<Finished>, FlattenError> {
+impl<'o> Component<'_, 'o> {
+    /// Faces that are in none of the charts have no area.
+    pub(super) fn run(&self) -> Result<Vec<Finished>, FlattenError> {
         let part = self.part;
-        let is_disk = part.topology.require_disk().is_ok();
-        if is_disk && !self.settings.cut_disks {
-            let flat = self.pipeline().run(&part.mesh, observer)?;
-            return Ok(vec![finish(part, part.mesh.face_count(), flat)?]);
-        }
-        if self.settings.holes == HoleRule::Free && is_planar_with_holes(&part.topology) {
-            let flat = self.pipeline().run_unclosed(&part.mesh, observer)?;
+        if self.stays_whole && part.topology.require_disk().is_ok() {
+            let flat = self.pipeline().run(&part.mesh, &mut self.ear())?;
             return Ok(vec![finish(part, part.mesh.face_count(), flat)?]);
         }
         self.settings.pipeline.check_memory(&part.mesh)?;
-        ask(observer, Event::Working)?;
-        let mut surface = self.surface()?;
-        let rounds = self.cut_where_stretched(&mut surface, observer)?;
-        let (chart, flat, more) = self.flatten(&mut surface, observer)?;
-        ask(observer, Event::Working)?;
-        let real = surface.real;
-        let virtual_faces = surface.mesh.face_count() - real;
-        let holes_filled = surface.holes_filled;
-        let whole = Finished { rounds: rounds + more, holes_filled, virtual_faces, ..finish(&chart, real, flat)? };
-        if self.settings.part_overlaps { take_apart(&chart.mesh, whole) } else { Ok(vec![whole]) }
+        let mut charts = self.all_of(self.first_pieces()?)?;
+        if charts.is_empty() {
+            return Err(FlattenError::Certificate(MetricsError::NoArea { faces: part.mesh.face_count() }));
+        }
+        charts.sort_by_key(|chart| chart.faces[0]);
+        Ok(charts)
+    }
+
+    /// The nets of a hard surface, or the whole component.
+    fn first_pieces(&self) -> Result<Vec<Chart>, FlattenError> {
+        let Chart { mesh, topology, .. } = self.part;
+        let hard = match self.settings.seams {
+            SeamRule::Auto => {
+                hard_surface(mesh, topology, self.settings.crease_angle, |c| self.may_not_cut(topology, c))
+            }
+            SeamRule::Keep => None,
+        };
+        let seams = hard.map_or_else(|| Seams::none(topology), |hard| hard.seams);
+        Ok(split(mesh, topology, &seams)?)
+    }
+
+    /// Whether an edge of the component may not be a seam, seen from either side.
+    fn may_not_cut(&self, topology: &Topology, c: CornerId) -> bool {
+        (self.is_forbidden)(c) || topology.opposite(c).is_some_and(self.is_forbidden)
+    }
+
+    /// Works on pieces side by side; the order of what comes out is that of the pieces.
+    fn all_of(&self, pieces: Vec<Chart>) -> Result<Vec<Finished>, FlattenError> {
+        let finished: Vec<_> = pieces.into_par_iter().map(|piece| self.finish_piece(&piece)).collect();
+        let mut charts = Vec::new();
+        for one in finished {
+            charts.extend(one?);
+        }
+        Ok(charts)
+    }
+
+    /// Works on a piece until all of it is in charts that are as they should be: parts of it have fewer faces, and a single
+    /// face always is.
+    fn finish_piece(&self, piece: &Chart) -> Result<Vec<Finished>, FlattenError> {
+        if self.relay.is_aborted() {
+            return Err(Cancelled.into());
+        }
+        let attempt = match self.interruption() {
+            Some(end) => Ok(Attempt::Interrupted(end, None)),
+            None => self.attempt(piece),
+        };
+        match attempt {
+            Ok(Attempt::Done(mut charts, pieces)) => {
+                charts.extend(self.all_of(pieces)?);
+                Ok(charts)
+            }
+            Ok(Attempt::Interrupted(end, last)) => self.given_up(piece, end, last.map(|last| *last)),
+            Err(FlattenError::Cancelled(_)) if !self.relay.is_aborted() => {
+                self.given_up(piece, Termination::Cancelled, None)
+            }
+            Err(error) if is_fatal(&error) => Err(error),
+            // Nothing to see: its faces are put into one point.
+            Err(error) if is_without_area(&error) => Ok(Vec::new()),
+            Err(error) if piece.mesh.face_count() == 1 => Err(error),
+            Ok(Attempt::Missed) | Err(_) => self.all_of(self.in_two(piece)?),
+        }
+    }
+
+    fn in_two(&self, piece: &Chart) -> Result<Vec<Chart>, FlattenError> {
+        let seams = two_parts(&piece.mesh, &piece.topology, |c| self.is_forbidden_in(piece, c));
+        parts(piece, &seams)
+    }
+
+    /// Whether the edge that a corner of a piece faces may not be a seam.
+    fn is_forbidden_in(&self, piece: &Chart, c: CornerId) -> bool {
+        let in_part = |c: CornerId| piece.faces[c.face().index()].corner(c.place());
+        (self.is_forbidden)(in_part(c)) || piece.topology.opposite(c).is_some_and(|o| (self.is_forbidden)(in_part(o)))
+    }
+
+    /// Why there is no time to go on.
+    pub(super) fn interruption(&self) -> Option<Termination> {
+        if self.relay.is_stopped() {
+            return Some(Termination::Cancelled);
+        }
+        self.budget.is_spent().then_some(Termination::TimeLimit)
+    }
+
+    /// Someone to tell of the work on a piece.
+    pub(super) fn ear(&self) -> Ear<'_, 'o> {
+        self.relay.ear(self.number)
     }
 
     /// The settings for one chart: its scale is that of the surface. Faces without area have been refused before, if they
     /// are to be: those that close holes may have none.
-    fn pipeline(&self) -> Pipeline {
+    pub(super) fn pipeline(&self) -> Pipeline {
         let (normalize, zero_area, stop) = (false, ZeroArea::Carry, self.budget.left());
         Pipeline { normalize, zero_area, stop, ..self.settings.pipeline.clone() }
     }
 
-    /// Closes what is to be closed and opens the rest.
-    fn surface(&self) -> Result<Surface, FlattenError> {
-        let Chart { mesh, topology, .. } = self.part;
-        let mut holes = topology.boundary_loops();
-        let filling = match self.settings.holes {
-            HoleRule::Fill(filling) => filling,
-            HoleRule::Cut | HoleRule::Free => {
-                holes.clear();
-                Default::default()
-            }
-        };
-        if let Some(outer) = outer_loop(mesh, &holes) {
-            holes.remove(outer);
-        }
-        let Filled { mesh, topology, first_virtual: real } = fill(mesh, topology, &holes, filling)?;
-        let costs = self.costs(&mesh, &topology, real);
-        let seams = open(&topology, &costs);
-        let diagonal = diagonal(&mesh);
-        Ok(Surface { mesh, topology, real, costs, diagonal, seams, holes_filled: holes.len() })
-    }
-
-    /// Seams may not run inside a hole; along its rim they cost nothing, because nothing is cut there.
-    fn costs(&self, mesh: &TriMesh, topology: &Topology, real: usize) -> EdgeCosts {
+    /// The costs of cutting a piece with its holes closed. Seams may not run inside a hole; along its rim they cost nothing,
+    /// because nothing is cut there.
+    pub(super) fn costs(&self, piece: &Chart, mesh: &TriMesh, topology: &Topology, real: usize) -> EdgeCosts {
         let is_virtual = |c: CornerId| c.face().index() >= real;
         let sides = |c: CornerId| (is_virtual(c), topology.opposite(c).is_none_or(is_virtual));
         let is_forbidden = |c: CornerId| match sides(c) {
             (true, true) => true,
-            (false, false) => (self.is_forbidden)(c) || topology.opposite(c).is_some_and(self.is_forbidden),
+            (false, false) => self.is_forbidden_in(piece, c),
             _ => false,
         };
         let mut costs = EdgeCosts::new(mesh, topology, &self.settings.costs, is_forbidden);
@@ -127,115 +160,54 @@ impl Component<'_> {
         costs
     }
 
-    /// Flattens quickly, joins the places of largest stretch to the seam, and again; how often.
-    fn cut_where_stretched(&self, surface: &mut Surface, observer: &mut Ear<'_, '_>) -> Result<usize, FlattenError> {
-        if self.settings.seams == SeamRule::Keep {
-            return Ok(0);
-        }
-        for round in 1..=self.settings.max_rounds {
-            observer.begin_round(round);
-            ask(observer, Event::Working)?;
-            let chart = surface.chart()?;
-            let uv = self.flatten_quickly(&chart, observer)?;
-            ask(observer, Event::Working)?;
-            let stretch = Stretch::measure(&chart, &uv, surface.real, surface.mesh.vertex_count())?;
-            let is_over = stretch.l2 <= self.settings.max_stretch || self.budget.is_spent();
-            if is_over || !self.cut_further(surface, &stretch) {
-                return Ok(round);
-            }
-        }
-        Ok(self.settings.max_rounds)
-    }
-
-    /// Joins the places of largest stretch to the seam; `false` when there is nothing to join, or the seam is long enough.
-    fn cut_further(&self, surface: &mut Surface, stretch: &Stretch) -> bool {
-        let Unwrap { terminals, spacing, reach, max_seam, .. } = *self.settings;
-        let is_long =
-            |surface: &Surface| max_seam.is_some_and(|limit| surface.seam_length() >= limit * surface.diagonal);
-        if is_long(surface) {
-            return false;
-        }
-        let Surface { mesh, topology, costs, diagonal, seams, .. } = surface;
-        let way = distances(topology, costs, seams);
-        let may_be = |v: VertexId| way[v.index()] > reach * *diagonal && way[v.index()].is_finite();
-        let peaks = stretch.peaks(mesh, terminals, spacing * *diagonal, may_be);
-        extend(topology, costs, seams, &peaks) > 0
-    }
-
-    /// Two passes of LinABF and least squares: near enough to see where the stretch is.
-    fn flatten_quickly(&self, chart: &Chart, observer: &mut Ear<'_, '_>) -> Result<UvMap, FlattenError> {
-        const PASSES: NonZeroUsize = NonZeroUsize::new(2).unwrap();
-        if observer.observe(Event::StageStarted(Stage::Topology)) != Verdict::Continue {
-            return Err(FlattenError::Cancelled(Cancelled));
-        }
-        let settings = &self.settings.pipeline;
-        let problem = AngleProblem::new(&chart.topology, chart.mesh.corner_angles(), settings.estimate)?;
-        let solver = LinAbf { passes: Passes::Exactly(PASSES) };
-        let named = |source| FlattenError::of_solver(SolverKind::LinAbf, source);
-        let solution = solver.solve(&problem, &self.budget.left(), observer).map_err(named)?;
-        ask(observer, Event::Working)?;
-        if solution.termination() == Termination::Cancelled {
-            return Err(FlattenError::Cancelled(Cancelled));
-        }
-        let kind = LayoutSettings { kind: LayoutKind::LeastSquares, ..settings.layout };
-        Ok(layout(&chart.mesh, &chart.topology, solution.angles(), &kind)?.uv)
-    }
-
-    /// Flattens as asked. Where that comes to no valid map, cuts further and tries again.
-    fn flatten(
-        &self,
-        surface: &mut Surface,
-        observer: &mut Ear<'_, '_>,
-    ) -> Result<(Chart, crate::Flattening, usize), FlattenError> {
-        const ATTEMPTS: usize = 3;
-        let mut attempt = 0;
-        loop {
-            attempt += 1;
-            let chart = surface.chart()?;
-            let flat = self.pipeline().run(&chart.mesh, observer)?;
-            let is_over = flat.certificate.valid()
-                || attempt == ATTEMPTS
-                || self.settings.seams == SeamRule::Keep
-                || matches!(flat.termination, Termination::Cancelled | Termination::TimeLimit);
-            let real = surface.real;
-            if is_over
-                || !self.cut_further(surface, &Stretch::measure(&chart, &flat.uv, real, surface.mesh.vertex_count())?)
-            {
-                return Ok((chart, flat, attempt - 1));
-            }
-        }
+    /// Whether a chart is as it should be.
+    pub(super) fn fits(&self, chart: &Finished) -> bool {
+        let metrics = &chart.metrics;
+        let is_apart = !self.settings.part_overlaps || metrics.injective();
+        // All faces without area: there is no stretch.
+        let is_flat = metrics.stretch_l2.is_nan() || metrics.stretch_l2 <= self.settings.max_stretch;
+        metrics.valid() && is_apart && is_flat && chart.termination.is_as_asked()
     }
 }
 
-impl Surface {
-    /// The surface cut along its seams, which is one disk.
-    fn chart(&self) -> Result<Chart, FlattenError> {
-        let mut charts = split(&self.mesh, &self.topology, &self.seams)?;
-        let chart = charts.swap_remove(0);
-        chart.topology.require_disk()?;
-        Ok(chart)
+/// A piece cut along seams, its parts by the faces of the component.
+pub(super) fn parts(piece: &Chart, seams: &Seams) -> Result<Vec<Chart>, FlattenError> {
+    let mut charts = split(&piece.mesh, &piece.topology, seams)?;
+    for chart in &mut charts {
+        chart.faces.iter_mut().for_each(|f| *f = piece.faces[f.index()]);
     }
-
-    /// The length of the seams between real faces.
-    fn seam_length(&self) -> f64 {
-        let is_real = |c: CornerId| c.face().index() < self.real;
-        let at = |v: VertexId| self.mesh.positions()[v.index()];
-        let seams = self.seams.edges(&self.topology);
-        let cut = seams.filter(|&c| is_real(c) && self.topology.opposite(c).is_some_and(is_real));
-        cut.map(|c| (at(self.topology.vertex(c.next())) - at(self.topology.vertex(c.prev()))).norm()).sum()
-    }
+    Ok(charts)
 }
 
-/// Whether it is a disk with holes: boundary, and no handle.
-fn is_planar_with_holes(topology: &Topology) -> bool {
-    let loops = topology.boundary_loops().len() as isize;
-    loops > 0 && topology.euler_characteristic() == 2 - loops
+/// The parts of a piece that have these faces of the component each.
+pub(super) fn parts_of_faces(piece: &Chart, sets: &[Vec<FaceId>]) -> Result<Vec<Chart>, FlattenError> {
+    let mut set_of = vec![u32::MAX; piece.faces.len()];
+    for (i, set) in (0..).zip(sets) {
+        // Faces of a piece are ascending.
+        set.iter().filter_map(|f| piece.faces.binary_search(f).ok()).for_each(|place| set_of[place] = i);
+    }
+    let side = |c: CornerId| set_of[c.face().index()];
+    let seams = Seams::where_edges(&piece.topology, |c, o| side(c) != side(o));
+    let charts = parts(piece, &seams)?;
+    let is_asked =
+        |chart: &Chart| piece.faces.binary_search(&chart.faces[0]).is_ok_and(|place| set_of[place] != u32::MAX);
+    Ok(charts.into_iter().filter(is_asked).collect())
 }
 
-/// The diagonal of the bounding box.
-pub(super) fn diagonal(mesh: &TriMesh) -> f64 {
-    let mut points = mesh.faces().iter().flatten().map(|v| mesh.positions()[v.index()]);
-    let Some(first) = points.next() else { return 0.0 };
-    let (low, high) = points.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
-    (high - low).norm()
+/// Whether the same error would come of every piece: a setting, or a limit that was asked for.
+fn is_fatal(error: &FlattenError) -> bool {
+    matches!(
+        error,
+        FlattenError::Cancelled(_)
+            | FlattenError::Memory { .. }
+            | FlattenError::LscmLayout(_)
+            | FlattenError::DescentLayout(_)
+            | FlattenError::Problem(ProblemError::Setting(_))
+            | FlattenError::Solve { source: SolveError::Setting(_) | SolveError::Unsupported(_), .. }
+            | FlattenError::Descent(EmbedError::Setting(_))
+    )
+}
+
+fn is_without_area(error: &FlattenError) -> bool {
+    matches!(error, FlattenError::Certificate(MetricsError::NoArea { .. }))
 }

@@ -1,13 +1,70 @@
 //! From a flattened chart with virtual faces to one without.
 
-use super::component::Finished;
-use crate::{FlattenError, Flattening};
+use crate::{FlattenError, Flattening, LayoutReport, RungReport, SolverKind};
+use abf_control::Termination;
 use abf_cut::Chart;
 use abf_mesh::{FaceId, TriMesh, UvId, UvMap, VertexId};
-use abf_metrics::{Certificate, Metrics, certify, measure_certified, per_face};
+use abf_metrics::{Certificate, Metrics, Precision, certify, measure_certified, per_face};
 use abf_solve_core::AngleSolution;
 
-/// Of a chart that is a whole component: drops the faces from `real` on, gives the rest the area of its surface, and judges it.
+/// A chart as it comes out, by the faces of its component.
+#[derive(Clone)]
+pub(super) struct Finished {
+    /// Its faces, by their numbers in the component, ascending.
+    pub(super) faces: Vec<FaceId>,
+    /// Corner `k` of its `i`-th face is corner `k` of `faces[i]`.
+    pub(super) uv: UvMap,
+    pub(super) metrics: Metrics,
+    pub(super) solver: SolverKind,
+    pub(super) termination: Termination,
+    pub(super) layout: LayoutReport,
+    pub(super) rungs: Vec<RungReport>,
+    pub(super) layout_error: Option<f64>,
+    pub(super) rounds: usize,
+    pub(super) holes_filled: usize,
+    pub(super) virtual_faces: usize,
+    /// Whether it was given up before it was as it should be.
+    pub(super) is_unfinished: bool,
+}
+
+impl Finished {
+    /// The first `real` faces of a map that no solver has finished.
+    pub(super) fn of_map(
+        chart: &Chart,
+        real: usize,
+        uv: &UvMap,
+        (solver, termination): (SolverKind, Termination),
+        precision: Precision,
+    ) -> Result<Self, FlattenError> {
+        let faces: Vec<FaceId> = (0..real).map(FaceId::new).collect();
+        let certificate = certify(&chart.mesh, uv, precision)?;
+        let (uv, metrics) = excerpt(&chart.mesh, uv, &certificate, &faces, true)?;
+        let layout = LayoutReport {
+            kind: None,
+            linear_residual: None,
+            closing_error: None,
+            moved_angles: 0,
+            pinned: false,
+            scaled: true,
+        };
+        Ok(Self {
+            faces,
+            uv,
+            metrics,
+            solver,
+            termination,
+            layout,
+            rungs: Vec::new(),
+            layout_error: None,
+            rounds: 0,
+            holes_filled: 0,
+            virtual_faces: real.abs_diff(chart.mesh.face_count()),
+            is_unfinished: true,
+        })
+    }
+}
+
+/// Of a chart that is a whole piece: drops the faces from `real` on, gives the rest the area of its surface, and judges it.
 pub(super) fn finish(chart: &Chart, real: usize, flat: Flattening) -> Result<Finished, FlattenError> {
     let layout_error = layout_error(chart, real, &flat)?;
     let faces: Vec<FaceId> = (0..real).map(FaceId::new).collect();
@@ -29,6 +86,7 @@ pub(super) fn finish(chart: &Chart, real: usize, flat: Flattening) -> Result<Fin
         rounds: 0,
         holes_filled: 0,
         virtual_faces: 0,
+        is_unfinished: false,
     })
 }
 

@@ -6,8 +6,12 @@ mod error;
 mod finish;
 mod hints;
 mod overlap;
+mod piece;
 mod relay;
+mod scout;
 mod stretch;
+mod surface;
+mod unfinished;
 
 use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolverKind, ZeroArea};
 use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, ask};
@@ -16,8 +20,9 @@ use abf_cut::{
 };
 use abf_mesh::{CornerId, FaceId, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::Metrics;
-use component::{Component, Finished};
+use component::Component;
 pub use error::UnwrapError;
+use finish::Finished;
 pub use hints::SurfaceHints;
 use rayon::prelude::*;
 use relay::Relay;
@@ -43,19 +48,19 @@ pub struct Unwrap {
     pub max_stretch: f64,
     /// Seams of a component grow no further when they are this long, as a multiple of the diagonal of its bounding box.
     pub max_seam: Option<f64>,
-    /// At most so many flattenings per component before the last.
-    pub max_rounds: usize,
+    /// Edges where the surface turns by no more than this, rad, are smooth: planar and developable parts are joined across
+    /// them first, and across sharper ones as long as nothing meets in the plane. In [0, π].
+    pub crease_angle: f64,
     /// How many vertices a round joins to the seam, at most.
     pub terminals: usize,
     /// How far these are apart at least, as a part of the diagonal of the bounding box.
     pub spacing: f64,
     /// How far from the seam such a vertex is at least, at the cost of the way there, as a part of the same diagonal.
     pub reach: f64,
-    /// Whether charts that lie over themselves are taken apart, without flattening the parts again. Disks that are not cut
-    /// stay whole.
+    /// Whether charts that lie over themselves are taken apart.
     pub part_overlaps: bool,
-    /// Whether components that are disks already may be cut further when their stretch is above
-    /// [`max_stretch`](Self::max_stretch).
+    /// Whether a mesh that is one disk may be cut when it misses the aim: otherwise it comes out whole, as
+    /// [`Pipeline::run`] flattens it. Of several components, disks are always worked on like all others.
     pub cut_disks: bool,
     /// Which vertices in one place are joined. The result is in terms of the input: its vertices stay.
     pub weld: Weld,
@@ -72,7 +77,7 @@ impl Default for Unwrap {
             costs: CostSettings::default(),
             max_stretch: 1.15,
             max_seam: None,
-            max_rounds: 40,
+            crease_angle: std::f64::consts::FRAC_PI_6,
             terminals: 3,
             spacing: 0.15,
             reach: 0.0,
@@ -90,27 +95,25 @@ pub enum SeamRule {
     /// From the shape and the stretch.
     #[default]
     Auto,
-    /// Those of [`SurfaceHints`]: the seams of the UV map and the borders of the labels. Charts that are no disks after
-    /// that are cut as little as makes them disks, and no further.
+    /// Those of [`SurfaceHints`]: the seams of the UV map and the borders of the labels. What they leave is cut further only
+    /// where it is no disk, or misses the aim.
     Keep,
 }
 
 /// What becomes of holes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum HoleRule {
-    /// Closed by virtual faces while the chart is flattened; they are dropped after.
+    /// By what comes of it: left as they are where the map is valid, injective and within the aim; else joined by seams;
+    /// else closed.
+    #[default]
+    Auto,
+    /// Closed by virtual faces while the chart is flattened, until a seam reaches their rim; they are dropped after.
     Fill(HoleFilling),
     /// Joined by seams.
     Cut,
-    /// Left as they are in components without handles: the angle conditions of a disk, which do not say that a hole
-    /// closes, and least squares. The result may be far from the angles solved for.
+    /// Left as they are in components without handles where that comes to a map within the aim, else joined by seams: the
+    /// angle conditions of a disk, which do not say that a hole closes, and least squares.
     Free,
-}
-
-impl Default for HoleRule {
-    fn default() -> Self {
-        Self::Fill(HoleFilling::default())
-    }
 }
 
 /// A mesh in charts.
@@ -167,6 +170,8 @@ pub struct UnwrappedChart {
     pub holes_filled: usize,
     /// How many virtual faces that took.
     pub virtual_faces: usize,
+    /// Whether there was no time to finish it: it is its last valid map, and may miss the aim.
+    pub unfinished: bool,
 }
 
 impl UnwrappedChart {
@@ -180,7 +185,10 @@ impl UnwrappedChart {
 impl Unwrap {
     /// Repairs, cuts and flattens a mesh.
     ///
-    /// A mesh that is one clean disk comes back as one chart without seams, with the bits of [`Pipeline::run`]. Components
+    /// A mesh that is one clean disk comes back as one chart without seams, with the bits of [`Pipeline::run`], unless
+    /// [`cut_disks`](Self::cut_disks) is set. Every other comes out in charts that are valid, do not lie over themselves and are
+    /// within [`max_stretch`](Self::max_stretch), each; when it is cancelled or out of time, what is not finished comes out
+    /// as [`unfinished`](UnwrappedChart::unfinished) charts. Components and pieces of them
     /// are worked on in parallel; the same input gives the same bits whatever the thread count. A time limit of the
     /// pipeline is one for all flattenings together; a limit of memory is one for each.
     ///
@@ -217,16 +225,17 @@ impl Unwrap {
         let parts = split(&repaired.mesh, &repaired.topology, &kept).map_err(FlattenError::from)?;
         ask(observer, Event::Working)?;
         let relay = Relay::new(observer, parts.len());
-        let finish = |(component, part): (usize, &Chart)| -> Result<Vec<Finished>, UnwrapError> {
+        let stays_whole = parts.len() == 1 && !self.cut_disks;
+        let finish = |(number, part): (usize, &Chart)| -> Result<Vec<Finished>, UnwrapError> {
             let is_forbidden = |c: CornerId| {
                 let corner = part.faces[c.face().index()].corner(c.place());
                 hints.is_forbidden(repaired.input_corner(corner))
             };
-            let mut ear = relay.ear(component);
-            let component = Component { settings: self, part, is_forbidden: &is_forbidden, budget: &budget };
+            let (settings, is_forbidden, budget, relay) = (self, &is_forbidden, &budget, &relay);
+            let component = Component { settings, part, number, stays_whole, is_forbidden, budget, relay };
             let first = repaired.faces[part.faces[0].index()];
-            let charts = component.run(&mut ear).map_err(|source| UnwrapError::Chart { first, source })?;
-            ear.end();
+            let charts = component.run().map_err(|source| UnwrapError::Chart { first, source })?;
+            relay.ear(number).end();
             Ok(charts)
         };
         let finished: Vec<Result<Vec<Finished>, UnwrapError>> = parts.par_iter().enumerate().map(finish).collect();
@@ -308,6 +317,9 @@ impl Unwrap {
                 return wrong(name, "at least 0", value);
             }
         }
+        if !(0.0..=std::f64::consts::PI).contains(&self.crease_angle) {
+            return wrong("crease_angle", "in [0, π]", self.crease_angle);
+        }
         if self.terminals == 0 {
             return wrong("terminals", "at least 1", 0.0);
         }
@@ -344,6 +356,7 @@ impl FromStr for SeamRule {
 impl fmt::Display for HoleRule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Auto => f.write_str("auto"),
             Self::Fill(filling) => write!(f, "fill-{filling}"),
             Self::Cut => f.write_str("cut"),
             Self::Free => f.write_str("free"),
@@ -356,12 +369,15 @@ impl FromStr for HoleRule {
 
     fn from_str(s: &str) -> Result<Self, String> {
         match s {
-            "fill" => Ok(Self::default()),
+            "auto" => Ok(Self::Auto),
+            "fill" => Ok(Self::Fill(HoleFilling::default())),
             "fill-fan" => Ok(Self::Fill(HoleFilling::Fan)),
             "fill-ears" => Ok(Self::Fill(HoleFilling::Ears)),
             "cut" => Ok(Self::Cut),
             "free" => Ok(Self::Free),
-            _ => Err(format!("'{s}' is nothing to do with holes; there are: fill, fill-fan, fill-ears, cut, free")),
+            _ => {
+                Err(format!("'{s}' is nothing to do with holes; there are: auto, fill, fill-fan, fill-ears, cut, free"))
+            }
         }
     }
 }

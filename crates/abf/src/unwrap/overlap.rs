@@ -1,27 +1,25 @@
 //! Charts that lie over themselves, taken apart.
 
-use super::component::Finished;
-use super::finish::excerpt;
+use super::finish::{Finished, excerpt};
 use crate::FlattenError;
+use abf_cut::Chart;
 use abf_mesh::{FaceId, TriMesh, UvId, UvMap, Vector2, VertexId};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
-/// A chart is taken into no more parts than this; what lies over itself then is reported as it is.
-const MOST_PARTS: usize = 64;
-
-/// Parts of a chart none of which lies over itself, if that takes no more than [`MOST_PARTS`] of them.
+/// Parts of a valid map of a piece none of which lies over itself.
 ///
 /// Of two faces that lie over each other each gets the faces that are nearer to it in the plane, walking from face to
 /// face. Both parts are connected, and disks if the chart is one. UVs stay but for the scale.
-pub(super) fn take_apart(mesh: &TriMesh, whole: Finished) -> Result<Vec<Finished>, FlattenError> {
+pub(super) fn take_apart(piece: &Chart, whole: Finished) -> Result<Vec<Finished>, FlattenError> {
     let all: Vec<FaceId> = (0..whole.uv.corners().len() / 3).map(FaceId::new).collect();
     let mut waiting = vec![(all, whole)];
     let mut done: Vec<(Vec<FaceId>, Finished)> = Vec::new();
     while let Some((in_mesh, chart)) = waiting.pop() {
-        let pair = chart.metrics.overlapping_faces.first().copied();
+        // Of a single face there is no pair.
+        let pair = chart.metrics.overlapping_faces.first().copied().filter(|[one, other]| one != other);
         let [one, other] = match pair {
-            Some(pair) if chart.metrics.overlaps() > 0 && done.len() + waiting.len() + 1 < MOST_PARTS => pair,
+            Some(pair) if chart.metrics.overlaps() > 0 => pair,
             _ => {
                 done.push((in_mesh, chart));
                 continue;
@@ -34,7 +32,7 @@ pub(super) fn take_apart(mesh: &TriMesh, whole: Finished) -> Result<Vec<Finished
                 continue;
             }
             let part: Vec<FaceId> = places.iter().map(|&f| in_mesh[f]).collect();
-            waiting.push((part.clone(), part_of(mesh, &chart, &in_mesh, &places)?));
+            waiting.push((part.clone(), part_of(&piece.mesh, &chart, &in_mesh, &places)?));
         }
     }
     done.sort_by_key(|(_, chart)| chart.faces[0]);

@@ -28,6 +28,11 @@ impl<'o> Relay<'o> {
         Ear { relay: self, place }
     }
 
+    /// Whether someone has asked to stop, or to abort.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.state.lock().map_or(true, |state| state.verdict != Verdict::Continue)
+    }
+
     /// Whether there is to be no result. An observer that panicked is not asked again.
     pub(super) fn is_aborted(&self) -> bool {
         self.state.lock().map_or(true, |state| state.verdict == Verdict::Abort)

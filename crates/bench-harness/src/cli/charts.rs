@@ -57,6 +57,9 @@ impl Charting {
         if let Some(stretch) = args.max_stretch.filter(|s| !(*s >= 1.0)) {
             return wrong(format!("--max-stretch must be at least 1, got {stretch}"));
         }
+        if let Some(angle) = args.crease_angle.filter(|a| !(0.0..=180.0).contains(a)) {
+            return wrong(format!("--crease-angle must be in 0..=180 degrees, got {angle}"));
+        }
         if let Some(length) = args.max_seam.filter(|l| !(*l >= 0.0)) {
             return wrong(format!("--max-seam must be at least 0, got {length}"));
         }
@@ -83,6 +86,7 @@ impl Charting {
                 holes: args.holes.unwrap_or(unwrap.holes),
                 max_stretch: args.max_stretch.unwrap_or(unwrap.max_stretch),
                 max_seam: args.max_seam,
+                crease_angle: args.crease_angle.map_or(unwrap.crease_angle, f64::to_radians),
                 cut_disks: args.cut_disks,
                 weld: args.weld.unwrap_or(unwrap.weld),
                 strict: args.strict,

@@ -4,6 +4,9 @@ use abf::{Placement, Termination, UnwrappedChart};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+/// Rounding is no reason to miss an aim.
+const WITHIN: f64 = 1.0 + 1e-9;
+
 /// The charts of a mesh and their atlas.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Atlas {
@@ -27,6 +30,9 @@ pub(crate) struct Atlas {
     pub(crate) diagonal: f64,
     /// The L² stretch aimed at.
     pub(crate) max_stretch: f64,
+    /// Whether every chart has to be within it: not where the length of seams is limited.
+    #[serde(skip)]
+    pub(crate) is_bound: bool,
     /// What was repaired, in words.
     pub(crate) repairs: Vec<String>,
 }
@@ -54,6 +60,8 @@ pub(crate) struct Charted {
     pub(crate) f: f64,
     /// L² stretch.
     pub(crate) stretch_l2: f64,
+    /// Whether there was no time to finish it: its last valid map.
+    pub(crate) unfinished: bool,
     /// The length of its seams.
     pub(crate) seam_length: f64,
     /// Flattenings it took to find its seams.
@@ -77,6 +85,7 @@ impl Charted {
             injective: chart.metrics.injective(),
             f: chart.metrics.f,
             stretch_l2: chart.metrics.stretch_l2,
+            unfinished: chart.unfinished,
             seam_length: chart.seam_length,
             rounds: chart.rounds,
             holes_filled: chart.holes_filled,
@@ -90,6 +99,13 @@ impl Atlas {
     pub(crate) fn termination(&self) -> Option<Termination> {
         let all = || self.charts.iter().map(|chart| chart.termination);
         all().find(|end| !end.is_as_asked()).or_else(|| all().next())
+    }
+
+    /// Whether every chart is finished, lies nowhere over itself and is within the aim, where seams may be as long as that
+    /// takes.
+    pub(crate) fn is_as_asked(&self) -> bool {
+        let is_within = |chart: &Charted| !self.is_bound || !(chart.stretch_l2 > self.max_stretch * WITHIN);
+        self.charts.iter().all(|chart| chart.injective && !chart.unfinished && is_within(chart))
     }
 
     /// How many holes were closed: parts of a component have the same.

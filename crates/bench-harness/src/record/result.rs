@@ -82,6 +82,7 @@ impl Record {
     pub(crate) fn outcome(&self) -> Outcome {
         let as_asked = self.termination().is_none_or(abf::Termination::is_as_asked);
         let valid = self.quality.as_ref().is_some_and(|quality| quality.valid) || self.not_run.is_some();
+        let as_asked = as_asked && self.atlas.as_ref().is_none_or(Atlas::is_as_asked);
         match &self.error {
             Some(failure) if !failure.is_cancelled() => Outcome::Failed,
             None if as_asked && valid => Outcome::AsAsked,

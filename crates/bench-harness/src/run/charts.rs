@@ -46,7 +46,10 @@ pub(crate) fn charts(
     if keeps && !says_more && hints.uv.is_none() && hints.face_labels.is_none() {
         return Err(Failure::no_seams(&loaded.name));
     }
-    let unwrap = Unwrap { pipeline: Pipeline { normalize: false, ..pipeline.clone() }, ..charting.unwrap.clone() };
+    // In an atlas, disks are pieces like all others.
+    let cut_disks = charting.unwrap.cut_disks || charting.is_for(loaded.is_gltf());
+    let unwrap =
+        Unwrap { pipeline: Pipeline { normalize: false, ..pipeline.clone() }, cut_disks, ..charting.unwrap.clone() };
     let unwrapped = unwrap.run(mesh, &hints, observer).map_err(|e| Failure::unwrap(&loaded.name, &e, loaded.fanned))?;
     let charts_s = begin.elapsed().as_secs_f64();
     let stored: (Stored, Precision) = match (charting.to_gltf, pipeline.precision) {
@@ -87,6 +90,7 @@ fn record(charting: &Charting, unwrapped: &Unwrapped, packed: &Packed) -> AtlasR
         seam_length: unwrapped.seam_length,
         diagonal: unwrapped.diagonal,
         max_stretch: charting.unwrap.max_stretch,
+        is_bound: charting.unwrap.max_seam.is_none(),
         repairs: said,
     }
 }

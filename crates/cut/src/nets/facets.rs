@@ -91,7 +91,7 @@ pub(super) fn quantised(part: f64) -> i64 {
 fn compare_places(mesh: &TriMesh, one: FaceId, other: FaceId) -> Ordering {
     let lowest = |f: FaceId| {
         let mut points = mesh.triangle(f).map(|p| [p.x, p.y, p.z]);
-        points.sort_by(|p, q| compare(p, q));
+        points.sort_by(compare);
         points
     };
     let (a, b) = (lowest(one), lowest(other));
@@ -154,6 +154,8 @@ pub(super) struct Fold {
     pub(super) turn: f64,
     /// Its length.
     pub(super) length: f64,
+    /// Whether it should not be cut.
+    pub(super) is_forbidden: bool,
 }
 
 /// Every edge between two facets.
@@ -165,6 +167,7 @@ pub(super) fn folds(mesh: &TriMesh, topology: &Topology, facets: &Facets, normal
             opposite,
             turn: turn(normals, corner, opposite),
             length: edge_length(mesh, topology, corner),
+            is_forbidden: false,
         })
         .collect()
 }

@@ -13,7 +13,7 @@ mod net;
 use crate::Seams;
 use crate::paths::Joined;
 use crate::seams::interior_edges;
-use abf_mesh::{FaceId, Topology, TriMesh};
+use abf_mesh::{CornerId, FaceId, Point2, Topology, TriMesh};
 use facets::{Facets, Fold, compare, folds, normals, quantised};
 use net::Nets;
 use std::collections::HashMap;
@@ -37,9 +37,15 @@ pub struct HardSurface {
 
 /// Takes a hard surface apart; `None` where less than half of it is planar or developable.
 ///
-/// Edges where the surface turns by no more than `crease_angle`, rad, are smooth.
+/// Edges where the surface turns by no more than `crease_angle`, rad, are smooth. Edges that are forbidden, by the corners
+/// that face them, are joined before all others.
 #[must_use]
-pub fn hard_surface(mesh: &TriMesh, topology: &Topology, crease_angle: f64) -> Option<HardSurface> {
+pub fn hard_surface(
+    mesh: &TriMesh,
+    topology: &Topology,
+    crease_angle: f64,
+    is_forbidden: impl Fn(CornerId) -> bool,
+) -> Option<HardSurface> {
     let diagonal = crate::seams::diagonal(mesh);
     if !(diagonal > 0.0) {
         return None;
@@ -56,7 +62,11 @@ pub fn hard_surface(mesh: &TriMesh, topology: &Topology, crease_angle: f64) -> O
     if !(share_of(&planar) >= HARD) {
         return None;
     }
-    let folds = in_order(mesh, topology, &facets, folds(mesh, topology, &facets, &normals), crease_angle, diagonal);
+    let mut folds = folds(mesh, topology, &facets, &normals);
+    for fold in folds.iter_mut().filter(|fold| is_forbidden(fold.corner)) {
+        (fold.is_forbidden, fold.turn) = (true, 0.0);
+    }
+    let folds = in_order(mesh, topology, &facets, folds, crease_angle, diagonal);
     let mut nets = Nets::new(topology, &facets, diagonal);
     let smooth = folds.partition_point(|fold| fold.turn <= crease_angle);
     folds[..smooth].iter().for_each(|fold| {
@@ -89,7 +99,25 @@ pub fn hard_surface(mesh: &TriMesh, topology: &Topology, crease_angle: f64) -> O
     Some(HardSurface { seams, share, facets: facets.sizes.len() })
 }
 
-/// Smooth edges, then creases, each from the longest shared one to the shortest.
+/// The planar parts of a surface.
+#[derive(Clone, Debug)]
+pub struct PlanarFacets {
+    /// The edges between them.
+    pub seams: Seams,
+    /// Every corner in the plane of its facet, in units of the mesh.
+    pub layout: Vec<Point2<f64>>,
+}
+
+/// Faces in one plane, connected: a map of any surface in parts that are isometric, without solving for anything.
+#[must_use]
+pub fn planar_facets(mesh: &TriMesh, topology: &Topology) -> PlanarFacets {
+    let facets = Facets::grow(mesh, topology, crate::seams::diagonal(mesh));
+    let facet = |c: CornerId| facets.of_face[c.face().index()];
+    let seams = Seams::where_edges(topology, |c, o| facet(c) != facet(o));
+    PlanarFacets { seams, layout: facets.layout }
+}
+
+/// Forbidden edges, smooth ones, then creases, each from the longest shared one to the shortest.
 fn in_order(
     mesh: &TriMesh,
     topology: &Topology,
@@ -111,7 +139,7 @@ fn in_order(
     };
     let key = |fold: &Fold| {
         let of_whole = |length: f64| -quantised(length / diagonal);
-        (fold.turn > crease_angle, of_whole(shared[&pair(fold)]), of_whole(fold.length))
+        (!fold.is_forbidden, fold.turn > crease_angle, of_whole(shared[&pair(fold)]), of_whole(fold.length))
     };
     folds.sort_by_cached_key(|fold| {
         let [x, y, z] = middle(fold);
@@ -166,4 +194,54 @@ fn developable(smooth: &[Fold], region_of: &[usize], nets: &Nets<'_>) -> Vec<boo
         }
     }
     lengths.iter().zip(is_one).map(|(&(cut, all), is_one)| is_one && cut <= MOST_CUT * all).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::split;
+    use crate::test_support::{octahedron, sheet, topology, torus};
+    use abf_mesh::Point3;
+
+    fn hard(mesh: &TriMesh) -> Option<usize> {
+        let topology = topology(mesh);
+        let hard = hard_surface(mesh, &topology, std::f64::consts::FRAC_PI_6, |_| false)?;
+        Some(split(mesh, &topology, &hard.seams).expect("charts").len())
+    }
+
+    /// A box of these sides, two triangles each.
+    fn cuboid(x: f64, y: f64, z: f64) -> TriMesh {
+        let points =
+            (0..8).map(|i| Point3::new(f64::from(i & 1) * x, f64::from(i >> 1 & 1) * y, f64::from(i >> 2) * z));
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let faces: Vec<_> = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        TriMesh::new(points.collect(), &faces).expect("indices in range")
+    }
+
+    #[test]
+    fn boxes_of_any_sides_are_one_net() {
+        for [x, y, z] in [[1.0, 1.0, 1.0], [1.0, 2.0, 3.0], [10.0, 1.0, 0.1], [1.0, 1.0, 50.0]] {
+            assert_eq!(hard(&cuboid(x, y, z)), Some(1), "{x} {y} {z}");
+        }
+    }
+
+    #[test]
+    fn a_flat_sheet_is_one_facet_and_round_surfaces_are_no_hard_ones() {
+        assert_eq!(hard(&sheet(6, 5)), Some(1));
+        assert_eq!(hard(&torus(48, 32)), None);
+        assert_eq!(hard(&octahedron()), None, "faces without a neighbour in their plane");
+    }
+
+    #[test]
+    fn facets_keep_every_length() {
+        let mesh = cuboid(1.0, 2.0, 3.0);
+        let topology = topology(&mesh);
+        let facets = planar_facets(&mesh, &topology);
+        assert_eq!(facets.seams.len(), 12);
+        for c in topology.corners() {
+            let at = |c: CornerId| mesh.positions()[topology.vertex(c).index()];
+            let flat = (facets.layout[c.next().index()] - facets.layout[c.index()]).norm();
+            assert!((flat - (at(c.next()) - at(c)).norm()).abs() < 1e-12);
+        }
+    }
 }

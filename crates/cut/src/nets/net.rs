@@ -16,13 +16,15 @@ const GAP: f64 = 1e-6;
 /// Faces around a vertex on the boundary leave at least this angle free, rad.
 const FREE_ANGLE: f64 = 0.01;
 
-/// Cells along the diagonal.
-const CELLS: f64 = 128.0;
+/// Most cells along the diagonal.
+const MOST_CELLS: f64 = 128.0;
 
 /// All nets of a surface.
 pub(super) struct Nets<'t> {
     topology: &'t Topology,
     diagonal: f64,
+    /// The side of a cell.
+    cell: f64,
     /// Where every corner lies, in the coordinates of its net.
     layout: Vec<Point2<f64>>,
     /// The net of every face.
@@ -62,9 +64,11 @@ impl<'t> Nets<'t> {
     pub(super) fn new(topology: &'t Topology, facets: &Facets, diagonal: f64) -> Self {
         let mut nets: Vec<Net> = Vec::new();
         nets.resize_with(facets.sizes.len(), Net::default);
+        let cells = (topology.face_count() as f64).sqrt().clamp(2.0, MOST_CELLS);
         let mut this = Self {
             topology,
             diagonal,
+            cell: diagonal / cells,
             layout: facets.layout.clone(),
             net_of: facets.of_face.clone(),
             welded: vec![false; topology.corner_count()],
@@ -106,7 +110,7 @@ impl<'t> Nets<'t> {
 
     /// The cells that the box of a segment touches.
     fn cells_of(&self, [p, q]: [Point2<f64>; 2], margin: f64) -> impl Iterator<Item = [i32; 2]> + use<> {
-        let size = self.diagonal / CELLS;
+        let size = self.cell;
         let low = |x: f64| ((x - margin) / size).floor() as i32;
         let high = |x: f64| ((x + margin) / size).floor() as i32;
         let (left, right) = (low(p.x.min(q.x)), high(p.x.max(q.x)));
@@ -201,9 +205,8 @@ impl<'t> Nets<'t> {
                 for &c in here.iter().filter(|c| !self.welded[c.index()]) {
                     let segment = self.segment(c);
                     if distance(moved, segment) < gap && !is_weld(c) {
-                        let shared = moved.iter().find(|p| {
-                            is_end(**p) && segment.iter().any(|q| (*p - q).norm() <= same)
-                        });
+                        let shared =
+                            moved.iter().find(|p| is_end(**p) && segment.iter().any(|q| (*p - q).norm() <= same));
                         if shared.is_none() || !opens(moved, segment, same) {
                             return false;
                         }
@@ -216,8 +219,7 @@ impl<'t> Nets<'t> {
 
     /// Whether the faces around both ends of a weld leave room, or close exactly.
     fn leaves_room(&self, c: CornerId, welds: &[(CornerId, CornerId)]) -> bool {
-        let crosses =
-            |edge: CornerId| self.welded[edge.index()] || welds.iter().any(|&(c, o)| c == edge || o == edge);
+        let crosses = |edge: CornerId| self.welded[edge.index()] || welds.iter().any(|&(c, o)| c == edge || o == edge);
         [c.next(), c.prev()].into_iter().all(|end| {
             let (sum, is_closed) = self.angle_around(end, &crosses);
             is_closed || sum <= TAU - FREE_ANGLE
@@ -240,7 +242,7 @@ impl<'t> Nets<'t> {
         }
         let mut at = start;
         while crosses(at.prev()) {
-            let Some(other) = self.topology.opposite(at.prev()).map(|o| o.prev()) else { break };
+            let Some(other) = self.topology.opposite(at.prev()).map(CornerId::prev) else { break };
             if other == start {
                 return (sum, true);
             }

@@ -15,9 +15,9 @@ pub(crate) struct ChartArgs {
     /// groups and materials; what these leave is cut only as far as makes disks [default: auto; file with --atlas per-material]
     #[arg(long, value_name = "auto|keep|file", value_parser = one_of::<SeamsFrom, _>(SeamsFrom::ALL.map(SeamsFrom::name)), help_heading = CHARTS)]
     pub(crate) seams: Option<SeamsFrom>,
-    /// What becomes of holes: closed while the angles are solved for, joined by seams, or left to least squares
-    /// [default: fill]
-    #[arg(long, value_name = "RULE", value_parser = one_of::<HoleRule, _>(["fill", "fill-fan", "fill-ears", "cut", "free"]), help_heading = CHARTS)]
+    /// What becomes of holes: closed while the angles are solved for, joined by seams, or left to least squares; auto leaves
+    /// them where that comes out well, else cuts, else closes them [default: auto]
+    #[arg(long, value_name = "RULE", value_parser = one_of::<HoleRule, _>(["auto", "fill", "fill-fan", "fill-ears", "cut", "free"]), help_heading = CHARTS)]
     pub(crate) holes: Option<HoleRule>,
     /// Seams grow until the L² stretch is at most S [default: 1.15]
     #[arg(long, value_name = "S", help_heading = CHARTS)]
@@ -25,7 +25,11 @@ pub(crate) struct ChartArgs {
     /// Or until they are L times as long as the diagonal of the component [default: no limit]
     #[arg(long, value_name = "L", help_heading = CHARTS)]
     pub(crate) max_seam: Option<f64>,
-    /// Cut disks further, too, where their stretch is above --max-stretch
+    /// Edges that turn by no more than A degrees are smooth: flat and developable parts stay whole across them
+    /// [default: 30]
+    #[arg(long, value_name = "A", help_heading = CHARTS)]
+    pub(crate) crease_angle: Option<f64>,
+    /// Cut a file that is one disk, too, where its stretch is above --max-stretch; in an atlas every disk is
     #[arg(long, help_heading = CHARTS)]
     pub(crate) cut_disks: bool,
     /// Which vertices in one place are joined where that makes boundary edges meet: those within rounding, but none in a
@@ -61,11 +65,25 @@ pub(crate) struct ChartArgs {
 impl ChartArgs {
     /// Whether charts are asked for, whatever the mesh is.
     pub(crate) fn is_asked(&self) -> bool {
-        let Self { seams, holes, max_stretch, max_seam, cut_disks, weld, strict, atlas, resolution, margin, .. } = self;
+        let Self {
+            seams,
+            holes,
+            max_stretch,
+            max_seam,
+            cut_disks,
+            weld,
+            strict,
+            atlas,
+            resolution,
+            margin,
+            crease_angle,
+            ..
+        } = self;
         seams.is_some()
             || holes.is_some()
             || max_stretch.is_some()
             || max_seam.is_some()
+            || crease_angle.is_some()
             || *cut_disks
             || weld.is_some()
             || *strict

@@ -1,0 +1,313 @@
+//! One piece: flattened as it is, else cut where the stretch is until it is flat enough.
+
+use super::component::{Attempt, Component, parts_of_faces};
+use super::finish::{Finished, finish};
+use super::overlap::take_apart;
+use super::stretch::Stretch;
+use super::surface::Surface;
+use super::{HoleRule, Unwrap};
+use crate::{FlattenError, Flattening, Pipeline, Solver, SolverKind};
+use abf_constraints::AngleProblem;
+use abf_control::{Cancelled, Event, Observer, Stage, Termination, Verdict, ask};
+use abf_cut::{Chart, HoleFilling, distances, extend};
+use abf_mesh::{Topology, TriMesh, UvMap, VertexId};
+use abf_reconstruct::{LayoutKind, LayoutSettings, layout};
+use abf_solve_core::AngleSolver;
+use abf_solve_linabf::{LinAbf, Passes};
+use std::f64::consts::{PI, TAU};
+use std::num::NonZeroUsize;
+
+/// A piece that is curved by more than this in all, rad, the sum of its angle deficits, is not worth flattening with its
+/// holes open: half a sphere has 2π.
+const MOST_CURVED: f64 = 1.5 * PI;
+
+/// So many rounds in a row without [`PROGRESS`] end the cutting of a piece.
+const PATIENCE: usize = 8;
+
+/// Progress brings what the stretch is above 1 below this part of the least so far.
+const PROGRESS: f64 = 0.9;
+
+impl Component<'_, '_> {
+    /// Flattens a piece, or finds that it has to be parted.
+    pub(super) fn attempt(&self, piece: &Chart) -> Result<Attempt, FlattenError> {
+        let is_disk = piece.topology.require_disk().is_ok();
+        let may_stay_open = match self.settings.holes {
+            HoleRule::Free => is_planar_with_holes(&piece.topology),
+            HoleRule::Auto => is_planar_with_holes(&piece.topology) && total_curvature(piece).abs() <= MOST_CURVED,
+            HoleRule::Fill(_) | HoleRule::Cut => false,
+        };
+        let as_it_is = if is_disk || may_stay_open { self.as_it_is(piece, is_disk)? } else { None };
+        if let Some(attempt) = as_it_is {
+            return Ok(attempt);
+        }
+        let has_holes = !is_disk && piece.topology.boundary_loops().len() > 1;
+        let filling = match self.settings.holes {
+            HoleRule::Fill(filling) => Some(filling),
+            HoleRule::Auto => Some(HoleFilling::default()),
+            HoleRule::Cut | HoleRule::Free => None,
+        };
+        let may_be_cut = self.settings.holes == HoleRule::Auto && has_holes;
+        let is_little_curved = may_be_cut && total_curvature(piece).abs() <= MOST_CURVED;
+        let with_holes_cut = if is_little_curved { self.with_holes_cut(piece)? } else { None };
+        if let Some(attempt) = with_holes_cut {
+            return Ok(attempt);
+        }
+        self.cut_until_it_fits(piece, filling.filter(|_| has_holes))
+    }
+
+    /// The first rung alone: enough for what is flat or nearly so. `None` where more has to be done.
+    fn as_it_is(&self, piece: &Chart, is_disk: bool) -> Result<Option<Attempt>, FlattenError> {
+        let pipeline = self.pipeline_of_first_rung();
+        let mut ear = self.ear();
+        let flat =
+            if is_disk { pipeline.run(&piece.mesh, &mut ear) } else { pipeline.run_unclosed(&piece.mesh, &mut ear) };
+        let whole = match flat {
+            Ok(flat) => self.of_piece(piece, finish(piece, piece.mesh.face_count(), flat)?),
+            Err(error) if piece.mesh.face_count() == 1 => return Err(error),
+            Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            // Another rung may do it, or parts of it.
+            Err(_) => return Ok(None),
+        };
+        self.judged(piece, whole)
+    }
+
+    /// The same with the holes joined by seams: enough for open tubes.
+    fn with_holes_cut(&self, piece: &Chart) -> Result<Option<Attempt>, FlattenError> {
+        let surface = self.surface(piece, None)?;
+        let chart = surface.chart()?;
+        let Ok(flat) = self.pipeline_of_first_rung().run(&chart.mesh, &mut self.ear()) else { return Ok(None) };
+        let whole = Finished { rounds: 1, ..self.of_piece(piece, finish(&chart, surface.real, flat)?) };
+        self.judged(piece, whole)
+    }
+
+    fn pipeline_of_first_rung(&self) -> Pipeline {
+        let solver = match &self.settings.pipeline.solver {
+            Solver::Auto(ladder) => ladder.linabf.into(),
+            other => other.clone(),
+        };
+        Pipeline { solver, ..self.pipeline() }
+    }
+
+    /// A map of the piece that is as it should be, or is once it is taken apart where it lies over itself; `None` where it is
+    /// neither, or where more than that has to be parted.
+    fn judged(&self, piece: &Chart, whole: Finished) -> Result<Option<Attempt>, FlattenError> {
+        if self.fits(&whole) {
+            return Ok(Some(Attempt::Done(vec![whole], Vec::new())));
+        }
+        if matches!(whole.termination, Termination::Cancelled | Termination::TimeLimit) {
+            let last = whole.metrics.valid().then(|| Box::new(whole.clone()));
+            return Ok(Some(Attempt::Interrupted(whole.termination, last)));
+        }
+        let is_flat = whole.metrics.stretch_l2 <= self.settings.max_stretch;
+        if whole.metrics.valid() && whole.termination.is_as_asked() && is_flat {
+            return self.taken_apart(piece, whole).map(Some);
+        }
+        Ok(None)
+    }
+
+    /// A valid map with little stretch that lies over itself, in parts that do not.
+    fn taken_apart(&self, piece: &Chart, whole: Finished) -> Result<Attempt, FlattenError> {
+        let parts = take_apart(piece, whole)?;
+        let (done, more): (Vec<Finished>, Vec<Finished>) = parts.into_iter().partition(|part| self.fits(part));
+        let more: Vec<_> = more.into_iter().map(|part| part.faces).collect();
+        let more = if more.is_empty() { Vec::new() } else { parts_of_faces(piece, &more)? };
+        Ok(Attempt::Done(done, more))
+    }
+
+    /// Faces by their numbers in the component.
+    fn of_piece(&self, piece: &Chart, mut chart: Finished) -> Finished {
+        chart.faces.iter_mut().for_each(|f| *f = piece.faces[f.index()]);
+        chart
+    }
+
+    fn surface(&self, piece: &Chart, filling: Option<HoleFilling>) -> Result<Surface, FlattenError> {
+        Surface::new(piece, filling, &|mesh, topology, real| self.costs(piece, mesh, topology, real))
+    }
+
+    /// Flattens quickly, joins the places of largest stretch to the seam, and again, until a map is as it should be.
+    fn cut_until_it_fits(&self, piece: &Chart, filling: Option<HoleFilling>) -> Result<Attempt, FlattenError> {
+        let mut surface = self.surface(piece, filling)?;
+        let costs = |mesh: &TriMesh, topology: &Topology, real: usize| self.costs(piece, mesh, topology, real);
+        let scouted = self.scout(piece, filling);
+        for peaks in &scouted {
+            extend(&surface.topology, &surface.costs, &mut surface.seams, peaks);
+            if let Some(filling) = filling {
+                surface.release_caps(piece, filling, &costs)?;
+            }
+        }
+        let mut progress = Progress::default();
+        let mut last: Option<(Chart, UvMap)> = None;
+        for round in 1 + scouted.len().. {
+            if let Some(end) = self.interruption() {
+                let last = last.and_then(|(chart, uv)| self.last_valid(piece, &surface, &chart, &uv, end));
+                return Ok(Attempt::Interrupted(end, last.map(Box::new)));
+            }
+            let mut ear = self.ear();
+            ear.begin_round(round);
+            ask(&mut ear, Event::Working)?;
+            let chart = surface.chart()?;
+            let real = surface.real;
+            let vertices = surface.mesh.vertex_count();
+            // Where the seams are nearly known, the first rung is tried at once: it may be the last flattening.
+            let first_rung = if scouted.is_empty() { None } else { self.first_rung(&chart) };
+            let known = first_rung.map(|flat| (flat.uv.clone(), flat));
+            let (quick, first_rung) = match known {
+                Some((uv, flat)) => (Ok(uv), Some(flat)),
+                None => (self.flatten_quickly(&chart, &mut ear), None),
+            };
+            let mut stretch = match &quick {
+                Ok(uv) => Some(Stretch::measure(&chart, uv, real, vertices)?),
+                Err(FlattenError::Cancelled(_)) if !self.relay.is_aborted() => continue,
+                Err(FlattenError::Cancelled(cancelled)) => return Err((*cancelled).into()),
+                Err(_) => None,
+            };
+            let is_long = self.is_long(&surface);
+            if is_long || stretch.as_ref().is_none_or(|stretch| stretch.l2 <= self.settings.max_stretch) {
+                let is_enough = |flat: &Flattening| flat.is_certified();
+                let flat = match first_rung.filter(is_enough) {
+                    Some(flat) => flat,
+                    None => self.pipeline().run(&chart.mesh, &mut ear)?,
+                };
+                let uv = flat.uv.clone();
+                let whole = self.finished(piece, &surface, &chart, flat, round)?;
+                if is_long && whole.metrics.valid() {
+                    return self.taken_apart_if_over(piece, whole);
+                }
+                if let Some(attempt) = self.judged(piece, whole)? {
+                    return Ok(attempt);
+                }
+                stretch = Some(Stretch::measure(&chart, &uv, real, vertices)?);
+            }
+            let stretch = stretch.expect("measured above where it was not before");
+            last = quick.ok().map(|uv| (chart, uv));
+            if progress.is_stalled(stretch.l2) || !self.cut_further(&mut surface, &stretch) {
+                return Ok(Attempt::Missed);
+            }
+            if let Some(filling) = filling {
+                surface
+                    .release_caps(piece, filling, &|mesh, topology, real| self.costs(piece, mesh, topology, real))?;
+            }
+        }
+        unreachable!("rounds end when nothing improves")
+    }
+
+    /// A disk by the first rung; `None` where that finds nothing.
+    fn first_rung(&self, chart: &Chart) -> Option<Flattening> {
+        self.pipeline_of_first_rung().run(&chart.mesh, &mut self.ear()).ok()
+    }
+
+    /// A chart whose seams are as long as they may be is kept whatever its stretch.
+    fn taken_apart_if_over(&self, piece: &Chart, whole: Finished) -> Result<Attempt, FlattenError> {
+        if self.settings.part_overlaps && !whole.metrics.injective() {
+            let parts = take_apart(piece, whole)?;
+            return Ok(Attempt::Done(parts, Vec::new()));
+        }
+        Ok(Attempt::Done(vec![whole], Vec::new()))
+    }
+
+    fn finished(
+        &self,
+        piece: &Chart,
+        surface: &Surface,
+        chart: &Chart,
+        flat: Flattening,
+        rounds: usize,
+    ) -> Result<Finished, FlattenError> {
+        let virtual_faces = surface.mesh.face_count() - surface.real;
+        let holes_filled = surface.holes_filled();
+        let whole = self.of_piece(piece, finish(chart, surface.real, flat)?);
+        Ok(Finished { rounds, holes_filled, virtual_faces, ..whole })
+    }
+
+    /// The last map of an unfinished piece, if it is valid.
+    fn last_valid(
+        &self,
+        piece: &Chart,
+        surface: &Surface,
+        chart: &Chart,
+        uv: &UvMap,
+        end: Termination,
+    ) -> Option<Finished> {
+        let how = (SolverKind::LinAbf, end);
+        let mut last = Finished::of_map(chart, surface.real, uv, how, self.settings.pipeline.precision).ok()?;
+        last.faces.iter_mut().for_each(|f| *f = piece.faces[f.index()]);
+        last.metrics.valid().then_some(last)
+    }
+
+    /// Whether the seams are as long as they may be.
+    pub(super) fn is_long(&self, surface: &Surface) -> bool {
+        self.settings.max_seam.is_some_and(|limit| surface.seam_length() >= limit * surface.diagonal)
+    }
+
+    /// Joins the places of largest stretch to the seam; `false` when there is nothing to join.
+    fn cut_further(&self, surface: &mut Surface, stretch: &Stretch) -> bool {
+        let peaks = self.peaks(surface, stretch);
+        extend(&surface.topology, &surface.costs, &mut surface.seams, &peaks) > 0
+    }
+
+    /// The places of largest stretch that are not on the seam.
+    pub(super) fn peaks(&self, surface: &Surface, stretch: &Stretch) -> Vec<VertexId> {
+        let Unwrap { terminals, spacing, reach, .. } = *self.settings;
+        let Surface { mesh, topology, costs, diagonal, seams, .. } = surface;
+        let way = distances(topology, costs, seams);
+        let may_be = |v: VertexId| way[v.index()] > reach * *diagonal && way[v.index()].is_finite();
+        stretch.peaks(mesh, terminals, spacing * *diagonal, may_be)
+    }
+
+    /// Two passes of LinABF and least squares: near enough to see where the stretch is.
+    pub(super) fn flatten_quickly(&self, chart: &Chart, observer: &mut dyn Observer) -> Result<UvMap, FlattenError> {
+        const PASSES: NonZeroUsize = NonZeroUsize::new(2).unwrap();
+        if observer.observe(Event::StageStarted(Stage::Topology)) != Verdict::Continue {
+            return Err(FlattenError::Cancelled(Cancelled));
+        }
+        let settings = &self.settings.pipeline;
+        let problem = AngleProblem::new(&chart.topology, chart.mesh.corner_angles(), settings.estimate)?;
+        let solver = LinAbf { passes: Passes::Exactly(PASSES) };
+        let named = |source| FlattenError::of_solver(SolverKind::LinAbf, source);
+        let solution = solver.solve(&problem, &self.budget.left(), observer).map_err(named)?;
+        if solution.termination() == Termination::Cancelled {
+            return Err(FlattenError::Cancelled(Cancelled));
+        }
+        ask(observer, Event::Working)?;
+        let kind = LayoutSettings { kind: LayoutKind::LeastSquares, ..settings.layout };
+        Ok(layout(&chart.mesh, &chart.topology, solution.angles(), &kind)?.uv)
+    }
+}
+
+/// Whether rounds still improve the stretch.
+pub(super) struct Progress {
+    /// What the stretch is above 1, the least that counted as progress.
+    least: f64,
+    without: usize,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self { least: f64::INFINITY, without: 0 }
+    }
+}
+
+impl Progress {
+    pub(super) fn is_stalled(&mut self, l2: f64) -> bool {
+        if l2 - 1.0 < PROGRESS * self.least {
+            *self = Self { least: l2 - 1.0, without: 0 };
+        } else {
+            self.without += 1;
+        }
+        self.without >= PATIENCE
+    }
+}
+
+/// Whether it is a disk with holes: boundary, and no handle.
+fn is_planar_with_holes(topology: &Topology) -> bool {
+    let loops = topology.boundary_loops().len() as isize;
+    loops > 0 && topology.euler_characteristic() == 2 - loops
+}
+
+/// The sum of the angle deficits of all interior vertices, rad.
+fn total_curvature(piece: &Chart) -> f64 {
+    let topology = &piece.topology;
+    let angles = piece.mesh.corner_angles();
+    let interior = topology.vertices().filter(|&v| topology.is_interior(v));
+    interior.map(|v| TAU - topology.fan(v).map(|c| angles[c.index()]).sum::<f64>()).sum()
+}

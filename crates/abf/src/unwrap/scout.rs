@@ -1,0 +1,85 @@
+//! Seams of large pieces, looked for on a coarser mesh: the rounds of a thousand faces cost next to nothing.
+
+use super::component::Component;
+use super::piece::Progress;
+use super::stretch::Stretch;
+use super::surface::Surface;
+use super::{SeamRule, Unwrap};
+use crate::FlattenError;
+use abf_cut::{Chart, EdgeCosts, HoleFilling, extend, simplify};
+use abf_mesh::{FaceId, Topology, TriMesh, VertexId};
+
+/// Pieces of fewer faces are not worth it.
+const LARGE: usize = 6000;
+
+/// The coarse mesh has at least so many faces …
+const LEAST: usize = 3000;
+
+/// … and this part of those there are.
+const PART: usize = 12;
+
+impl Component<'_, '_> {
+    /// The places that the seam of a piece is to reach, round by round, as found on a coarser mesh: vertices of the piece.
+    /// None where the piece is small, or the coarse mesh is within the aim as it is.
+    pub(super) fn scout(&self, piece: &Chart, filling: Option<HoleFilling>) -> Vec<Vec<VertexId>> {
+        let faces = piece.mesh.face_count();
+        if faces < LARGE || self.settings.seams == SeamRule::Keep || self.settings.max_seam.is_some() {
+            return Vec::new();
+        }
+        let Some(coarse) = simplify(&piece.mesh, &piece.topology, LEAST.max(faces / PART)) else { return Vec::new() };
+        let names = coarse.vertices;
+        let coarse = Chart {
+            faces: (0..coarse.mesh.face_count()).map(FaceId::new).collect(),
+            vertices: (0..coarse.mesh.vertex_count()).map(VertexId::new).collect(),
+            mesh: coarse.mesh,
+            topology: coarse.topology,
+        };
+        let mut rounds = Vec::new();
+        // What the coarse mesh cannot tell, the fine one will.
+        let _ = self.scout_on(&coarse, filling, &mut rounds);
+        let in_piece = |peaks: Vec<VertexId>| peaks.into_iter().filter_map(|v| names.get(v.index()).copied()).collect();
+        rounds.into_iter().map(in_piece).collect()
+    }
+
+    fn scout_on(
+        &self,
+        coarse: &Chart,
+        filling: Option<HoleFilling>,
+        rounds: &mut Vec<Vec<VertexId>>,
+    ) -> Result<(), FlattenError> {
+        let Unwrap { max_stretch, costs, .. } = *self.settings;
+        let costs = |mesh: &TriMesh, topology: &Topology, real: usize| coarse_costs(mesh, topology, real, &costs);
+        let mut surface = Surface::new(coarse, filling, &costs)?;
+        let mut progress = Progress::default();
+        while self.interruption().is_none() {
+            let chart = surface.chart()?;
+            let uv = self.flatten_quickly(&chart, &mut self.ear())?;
+            let stretch = Stretch::measure(&chart, &uv, surface.real, surface.mesh.vertex_count())?;
+            if stretch.l2 <= max_stretch || progress.is_stalled(stretch.l2) {
+                break;
+            }
+            let peaks = self.peaks(&surface, &stretch);
+            if extend(&surface.topology, &surface.costs, &mut surface.seams, &peaks) == 0 {
+                break;
+            }
+            rounds.push(peaks);
+            if let Some(filling) = filling {
+                surface.release_caps(coarse, filling, &costs)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The costs of a coarse mesh: no edge of it is one of the file, so none is forbidden but those inside of holes.
+fn coarse_costs(mesh: &TriMesh, topology: &Topology, real: usize, settings: &abf_cut::CostSettings) -> EdgeCosts {
+    let is_virtual = |c: abf_mesh::CornerId| c.face().index() >= real;
+    let is_inside = |c| is_virtual(c) && topology.opposite(c).is_none_or(is_virtual);
+    let mut costs = EdgeCosts::new(mesh, topology, settings, is_inside);
+    for c in topology.corners().filter(|&c| is_virtual(c)) {
+        if topology.opposite(c).is_some_and(|o| !is_virtual(o)) {
+            costs.set(topology, c, 0.0);
+        }
+    }
+    costs
+}
