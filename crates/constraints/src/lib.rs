@@ -26,6 +26,7 @@
 
 mod counts;
 mod jacobian;
+mod per_corner;
 mod problem;
 mod reduction;
 mod residual;

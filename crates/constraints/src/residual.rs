@@ -1,5 +1,6 @@
 //! The three constraint families, stacked.
 
+use crate::per_corner::{PER_TASK, per_corner};
 use crate::{ConstraintRows, WheelDerivative, WheelForm};
 use abf_mesh::{CornerId, Topology};
 use rayon::prelude::*;
@@ -8,9 +9,6 @@ use std::f64::consts::{PI, TAU};
 /// Angles are kept this far from 0 and π, in radians, when a residual is reported: outside, the
 /// logarithm of the sine does not exist.
 pub const RESIDUAL_CLAMP: f64 = 1e-9;
-
-/// How many entries one task computes.
-const PER_TASK: usize = 1 << 12;
 
 /// So many sine ratios are multiplied before a logarithm is taken: even at the angle bounds their
 /// product stays far from the largest and the smallest number.
@@ -77,15 +75,6 @@ fn log_ratio_of_sines(hubs: &[CornerId], sines: &[f64]) -> f64 {
     let positive = |c: CornerId| if sines[c.index()] > 0.0 { sines[c.index()] } else { f64::NAN };
     let ratio = |c: &CornerId| positive(c.next()) / positive(c.prev());
     hubs.chunks(RATIOS_PER_LOG).map(|hubs| hubs.iter().map(ratio).product::<f64>().ln()).sum()
-}
-
-/// `f` of every angle, in parallel.
-pub(crate) fn per_corner(angles: &[f64], f: impl Fn(f64) -> f64 + Sync) -> Vec<f64> {
-    let mut out = vec![0.0; angles.len()];
-    out.par_chunks_mut(PER_TASK).zip(angles.par_chunks(PER_TASK)).for_each(|(out, angles)| {
-        out.iter_mut().zip(angles).for_each(|(out, &x)| *out = f(x));
-    });
-    out
 }
 
 /// `max |h|` in the log form, the angles clamped to `[1e-9, π − 1e-9]`: the residual that every

@@ -12,7 +12,7 @@
 //! couples every pair of `next` corners, and every pair of `prev` corners, of a ring.
 
 use crate::ConstraintRows;
-use crate::residual::per_corner;
+use crate::per_corner::per_corner;
 use abf_mesh::{CornerId, Topology, VertexId};
 use std::fmt;
 use std::str::FromStr;

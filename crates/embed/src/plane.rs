@@ -1,8 +1,8 @@
 //! One triangle in the plane: its orientation, its angles, their derivatives, and when it turns over.
 
 use abf_linalg::Complex64;
+use abf_mesh::predicates::orient2d;
 use abf_mesh::{FaceId, Point2, Topology, Vector2};
-use robust::{Coord, orient2d};
 
 /// The points, or the motions, of the three vertices of a face.
 #[inline]
@@ -13,9 +13,8 @@ pub(crate) fn of_face<T: Copy>(topology: &Topology, per_vertex: &[T], face: Face
 /// Twice the signed area of a triangle, positive when counter-clockwise. The sign is exact, the size rounded
 /// (Shewchuk's adaptive predicate).
 #[inline]
-pub(crate) fn orientation([a, b, c]: &[Point2<f64>; 3]) -> f64 {
-    let coord = |p: &Point2<f64>| Coord { x: p.x, y: p.y };
-    orient2d(coord(a), coord(b), coord(c))
+pub(crate) fn orientation(&[a, b, c]: &[Point2<f64>; 3]) -> f64 {
+    orient2d(a, b, c)
 }
 
 /// The faces that are not counter-clockwise: the first, and how many. Exact; NaN counts as one.

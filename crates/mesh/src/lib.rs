@@ -12,6 +12,7 @@
 mod disk;
 mod ids;
 pub mod io;
+pub mod predicates;
 mod topology;
 mod tri_mesh;
 mod uv_map;

@@ -13,7 +13,7 @@ use crate::face::{Orientation, Survey};
 use crate::overlap::Overlaps;
 use crate::sheet::{Fan, Sheet};
 use crate::triangle::{cotangents, is_within_rounding};
-use crate::winding::winds_twice;
+use crate::winding::{self, winds_twice};
 
 /// Fewer corners are not worth a thread.
 const CORNERS_PER_TASK: usize = 1 << 13;
@@ -304,7 +304,8 @@ fn fans_of_manifold(
     let fan = |v: VertexId| topology.fan_start(v).map(|first| sheet.fan_from(first));
     let open = topology.vertices().filter(|&v| topology.is_boundary(v)).filter_map(fan).collect();
     // Around a point among counter-clockwise triangles is at least one turn: as many turns as points are one for each.
-    let once_each = || all_kept && sheet.turns(|v| topology.is_interior(v)) == topology.interior_vertex_count();
+    let once_each =
+        || all_kept && winding::turns(sheet, |v| topology.is_interior(v)) == topology.interior_vertex_count();
     if once_each() {
         return (open, Vec::new());
     }

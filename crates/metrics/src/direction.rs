@@ -1,7 +1,7 @@
 //! Directions around a point of the plane, compared exactly.
 
-use crate::sheet::turn;
 use abf_mesh::Point2;
+use abf_mesh::predicates::orient2d;
 use std::cmp::Ordering;
 
 /// Whether the direction from `centre` to `p` lies in the half-turn that begins at the positive x axis.
@@ -15,6 +15,6 @@ pub(crate) fn compare(centre: Point2<f64>, a: Point2<f64>, b: Point2<f64>) -> Or
         (true, false) => Ordering::Less,
         (false, true) => Ordering::Greater,
         // To turn left from a to b means that a comes first.
-        _ => 0.0.partial_cmp(&turn(centre, a, b)).unwrap_or(Ordering::Equal),
+        _ => 0.0.partial_cmp(&orient2d(centre, a, b)).unwrap_or(Ordering::Equal),
     }
 }

@@ -7,22 +7,13 @@
 
 use abf_mesh::{CornerId, FaceId, Point2, Topology, TriMesh, UvId, UvMap, VertexId};
 use rayon::prelude::*;
-use robust::{Coord, orient2d};
 use std::borrow::Cow;
-
-use crate::winding::completes_turn;
 
 /// Marks "no corner", as in [`Topology::packed_opposites`].
 const NONE: u32 = u32::MAX;
 
 /// Fewer corners or points are not worth a thread.
-const PER_TASK: usize = 1 << 13;
-
-/// The sign of the area of a triangle, exactly: positive counter-clockwise, zero on one line.
-pub(crate) fn turn(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> f64 {
-    let coord = |p: Point2<f64>| Coord { x: p.x, y: p.y };
-    orient2d(coord(a), coord(b), coord(c))
-}
+pub(crate) const PER_TASK: usize = 1 << 13;
 
 /// The joined triangles.
 pub(crate) struct Sheet<'a> {
@@ -128,13 +119,6 @@ impl<'a> Sheet<'a> {
             NONE => None,
             other => Some(CornerId::new(other as usize).next()),
         }
-    }
-
-    /// In how many corners at these vertices the step from one edge to the next leads from the lower half plane to the
-    /// upper one: the turns around all of them together, when all their triangles are counter-clockwise.
-    pub(crate) fn turns(&self, is_at: impl Fn(VertexId) -> bool + Sync) -> usize {
-        let corners = (0..self.corner_count()).into_par_iter().with_min_len(PER_TASK).map(CornerId::new);
-        corners.filter(|&c| is_at(self.vertex(c)) && completes_turn(self, c)).count()
     }
 
     /// The fan of a vertex that stands in one place, from its first corner.

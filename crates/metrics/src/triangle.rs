@@ -1,8 +1,8 @@
 //! One triangle in space, one in the plane, and the affine map between them.
 
+use abf_mesh::predicates::orient2d;
 use abf_mesh::{Point2, Point3};
 use nalgebra::{Point, SVector as Vector};
-use robust::{Coord, orient2d};
 use std::f64::consts::PI;
 
 /// The power of two `s` that brings `largest` into `[1, 2)`.
@@ -46,7 +46,7 @@ pub(crate) fn surface_area(corners: &[Point3<f64>; 3]) -> f64 {
 /// [`power_of_two_scale`] asks for differences above 1e-120.
 pub(crate) fn signed_uv_area(corners: &[Point2<f64>; 3]) -> f64 {
     // The predicate takes its differences from its last argument.
-    let [a, b, c] = shortest_edges_first(corners).map(|p| Coord { x: p.x, y: p.y });
+    let [a, b, c] = shortest_edges_first(corners);
     0.5 * orient2d(b, c, a)
 }
 

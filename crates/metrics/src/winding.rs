@@ -1,9 +1,10 @@
 //! Fans whose triangles wind around their vertex more than once.
 
-use abf_mesh::CornerId;
+use abf_mesh::{CornerId, VertexId};
+use rayon::prelude::*;
 
 use crate::direction;
-use crate::sheet::{Fan, Sheet};
+use crate::sheet::{Fan, PER_TASK, Sheet};
 
 /// Whether the triangles of a fan, all counter-clockwise, wind around its vertex more than once.
 ///
@@ -22,10 +23,17 @@ pub(crate) fn winds_twice(sheet: &Sheet<'_>, fan: Fan) -> bool {
     direction::compare(centre, begin, end).is_lt()
 }
 
+/// In how many corners at these vertices the step from one edge to the next leads from the lower half plane to the
+/// upper one: the turns around all of them together, when all their triangles are counter-clockwise.
+pub(crate) fn turns(sheet: &Sheet<'_>, is_at: impl Fn(VertexId) -> bool + Sync) -> usize {
+    let corners = (0..sheet.corner_count()).into_par_iter().with_min_len(PER_TASK).map(CornerId::new);
+    corners.filter(|&c| is_at(sheet.vertex(c)) && completes_turn(sheet, c)).count()
+}
+
 /// Whether the step across a triangle, from one edge at this corner to the next, leads from the lower half plane around
 /// the corner to the upper one.
 #[inline]
-pub(crate) fn completes_turn(sheet: &Sheet<'_>, corner: CornerId) -> bool {
+fn completes_turn(sheet: &Sheet<'_>, corner: CornerId) -> bool {
     let centre = sheet.place(corner);
     !direction::is_upper(centre, sheet.place(corner.next())) && direction::is_upper(centre, sheet.place(corner.prev()))
 }

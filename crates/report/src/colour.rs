@@ -44,6 +44,37 @@ impl Mul<f64> for Colour {
     }
 }
 
+/// The colours besides those of a skin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Palette {
+    /// What is around the drawings; `None` leaves it transparent.
+    pub(crate) background: Option<Colour>,
+    /// Boundaries and seams.
+    pub(crate) ink: Colour,
+    /// Flipped triangles.
+    pub(crate) flipped: Colour,
+    /// Dark squares seen from the back.
+    pub(crate) back: Colour,
+    /// Light squares seen from the back.
+    pub(crate) back_light: Colour,
+}
+
+impl Palette {
+    /// The colours on a background; `None` leaves it transparent.
+    pub(crate) fn on(background: Option<[u8; 3]>) -> Self {
+        Self {
+            background: background.map(Colour::from_srgb),
+            ink: Colour::from_srgb([38, 42, 50]),
+            flipped: Colour::from_srgb(FLIPPED),
+            back: Colour::from_srgb([104, 106, 112]),
+            back_light: Colour::from_srgb([130, 132, 138]),
+        }
+    }
+}
+
+/// The red of a flipped triangle, sRGB.
+pub(crate) const FLIPPED: [u8; 3] = [226, 42, 38];
+
 /// The sRGB transfer function (IEC 61966-2-1), from the encoded value to linear light.
 fn decode(x: f32) -> f32 {
     if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }

@@ -3,9 +3,9 @@
 use abf_mesh::{CornerId, Point3, UvMap, Vector2};
 use tiny_skia::{LineCap, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
+use crate::colour::Palette;
 use crate::panel::{Fit, Panel, bounds};
 use crate::raster::Visibility;
-use crate::scene::Palette;
 use crate::skin::Skin;
 
 /// Flipped triangles lie above the others.

@@ -6,8 +6,9 @@ use tiny_skia::{Color, Pixmap};
 use crate::PictureError;
 use crate::camera::View;
 use crate::checker::Checker;
+use crate::colour::Palette;
 use crate::panel::{Panel, bounds};
-use crate::scene::{Palette, Scene};
+use crate::scene::Scene;
 use crate::skin::Skin;
 
 /// The shortest side of a canvas, pixels: below, the margins leave nothing to see.

@@ -6,7 +6,7 @@ use tiny_skia::Pixmap;
 
 use crate::PictureError;
 use crate::camera::{Camera, View};
-use crate::colour::Colour;
+use crate::colour::Palette;
 use crate::layout::Layout;
 use crate::outline::Edges;
 use crate::panel::Panel;
@@ -66,34 +66,3 @@ impl<'a> Scene<'a> {
 fn largest_angle_error(face: &FaceDistortion) -> f64 {
     if face.degenerate_3d { 0.0 } else { face.angle_errors().into_iter().map(f64::abs).fold(0.0, f64::max) }
 }
-
-/// The colours besides those of a skin.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Palette {
-    /// What is around the drawings; `None` leaves it transparent.
-    pub(crate) background: Option<Colour>,
-    /// Boundaries and seams.
-    pub(crate) ink: Colour,
-    /// Flipped triangles.
-    pub(crate) flipped: Colour,
-    /// Dark squares seen from the back.
-    pub(crate) back: Colour,
-    /// Light squares seen from the back.
-    pub(crate) back_light: Colour,
-}
-
-impl Palette {
-    /// The colours on a background; `None` leaves it transparent.
-    pub(crate) fn on(background: Option<[u8; 3]>) -> Self {
-        Self {
-            background: background.map(Colour::from_srgb),
-            ink: Colour::from_srgb([38, 42, 50]),
-            flipped: Colour::from_srgb(FLIPPED),
-            back: Colour::from_srgb([104, 106, 112]),
-            back_light: Colour::from_srgb([130, 132, 138]),
-        }
-    }
-}
-
-/// The red of a flipped triangle, sRGB.
-pub(crate) const FLIPPED: [u8; 3] = [226, 42, 38];

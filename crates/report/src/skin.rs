@@ -3,8 +3,7 @@
 use abf_mesh::{Point2, Vector2};
 
 use crate::checker::Checker;
-use crate::colour::Colour;
-use crate::scene::Palette;
+use crate::colour::{Colour, Palette};
 
 /// Light that comes from everywhere, as a part of the whole, on a checkerboard.
 const AMBIENT: f64 = 0.42;

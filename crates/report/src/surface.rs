@@ -4,10 +4,9 @@ use abf_mesh::{CornerId, FaceId, Point2, Point3, TriMesh, UvMap, Vector2, Vector
 use tiny_skia::Pixmap;
 
 use crate::camera::Camera;
-use crate::colour::Colour;
+use crate::colour::{Colour, Palette};
 use crate::panel::{Panel, bounds};
 use crate::raster::{Barycentric, Visibility};
-use crate::scene::Palette;
 use crate::skin::Skin;
 
 /// The number under which lines are drawn; no face has it, as its corners would not fit 32 bits.

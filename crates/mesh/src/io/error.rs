@@ -3,6 +3,9 @@
 use std::fmt;
 use std::io;
 
+/// The formats that can be written, for a message.
+const WRITTEN: &str = "glb, gltf, obj, ply";
+
 /// A place in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
@@ -272,5 +275,90 @@ pub enum ReadError {
         what: &'static str,
         /// How many.
         count: usize,
+    },
+}
+
+/// Why a mesh cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The system refuses.
+    #[error("{target}: cannot be written: {cause}")]
+    Io {
+        /// The file, or `output` where there is none.
+        target: String,
+        /// What the system says.
+        cause: io::Error,
+    },
+    /// The extension names no format that is written.
+    #[error("{file}: the extension names no format that can be written; known are {WRITTEN}")]
+    UnknownExtension {
+        /// The file.
+        file: String,
+    },
+    /// The UV map belongs to another mesh.
+    #[error("the UV map has {map} corners, but the mesh has {mesh}")]
+    UvMismatch {
+        /// How many corners the map has.
+        map: usize,
+        /// How many corners the mesh has.
+        mesh: usize,
+    },
+    /// A number that no reader would take back.
+    #[error("{what} {first} has a coordinate that is not finite ({count} in all)")]
+    NotFinite {
+        /// `vertex` or `UV point`.
+        what: &'static str,
+        /// The first, counted from 0.
+        first: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A glTF document cannot be edited because something in it is wrong.
+    #[error(transparent)]
+    Document(#[from] ReadError),
+    /// A set of texture coordinates that a primitive has already.
+    #[error(
+        "{file}, meshes[{mesh}].primitives[{primitive}]: there is a TEXCOORD_{set} already; the next free set is TEXCOORD_{next}"
+    )]
+    TexcoordTaken {
+        /// The document.
+        file: String,
+        /// The mesh.
+        mesh: usize,
+        /// The primitive in the mesh.
+        primitive: usize,
+        /// The set that was asked for.
+        set: u32,
+        /// The first that is free in all primitives.
+        next: u32,
+    },
+    /// A set of texture coordinates that would leave a gap.
+    #[error(
+        "{file}: TEXCOORD_{set} would leave a gap, which glTF does not allow; the next free set is TEXCOORD_{next}"
+    )]
+    TexcoordGap {
+        /// The document.
+        file: String,
+        /// The set that was asked for.
+        set: u32,
+        /// The first that is free in all primitives.
+        next: u32,
+    },
+    /// More bytes or vertices than 32 bits can count.
+    #[error("{target}: {what} are more than 32 bits can count")]
+    TooLarge {
+        /// The file, or `output` where there is none.
+        target: String,
+        /// What there is too much of.
+        what: &'static str,
+    },
+    /// A file that the document names cannot be named from the folder it is written to.
+    #[error("{target}: `{uri}` cannot be named from there")]
+    Unreachable {
+        /// The file to be written.
+        target: String,
+        /// The name in the document.
+        uri: String,
     },
 }

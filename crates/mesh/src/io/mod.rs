@@ -18,11 +18,15 @@
 //! Whatever cannot be read is a [`ReadError`] that names the file and the line or byte; no input
 //! causes a panic, and no memory is taken on the word of a header.
 
+mod blocks;
 mod compressed;
 mod error;
+mod file;
+mod format;
 mod gather;
 mod gltf;
 mod materials;
+mod mesh_file;
 mod notes;
 mod obj;
 mod off;
@@ -30,104 +34,25 @@ mod ply;
 mod polygon;
 mod stl;
 mod text;
-mod write;
 
 use std::io::ErrorKind;
 use std::path::Path;
-use std::str::FromStr;
 
 pub use compressed::read_bytes;
-pub use error::{Location, Place, ReadError};
+pub use error::{Location, Place, ReadError, WriteError};
+pub use file::{check_replaceable, replace};
+pub use format::{MeshFormat, UnknownFormat};
 pub use gltf::{
     BufferSource, GltfDocument, GltfPrimitive, GltfRemap, GltfSurface, GltfTexcoords, PrimitiveRemap, stored_uv,
 };
 pub use materials::{Material, MaterialNote, Materials, load_materials, parse_materials};
+pub use mesh_file::MeshFile;
 pub use notes::{ReadNotes, UvDropped};
-pub use obj::{Labels, ObjDocument, ObjWritten};
-pub use write::{WriteError, check_replaceable, replace, write, write_obj, write_ply};
+pub use obj::{Labels, ObjDocument, ObjWritten, write_obj};
+pub use ply::write_ply;
 
 use crate::{TriMesh, UvMap};
-
-/// A file format of meshes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum MeshFormat {
-    /// glTF 2.0, binary.
-    Glb,
-    /// glTF 2.0, JSON with buffers beside it or within.
-    Gltf,
-    /// Wavefront OBJ, text.
-    Obj,
-    /// Object File Format of Geomview, text.
-    Off,
-    /// Polygon File Format of Stanford, text or binary.
-    Ply,
-    /// Stereolithography, text or binary.
-    Stl,
-}
-
-/// A word that names no [`MeshFormat`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is not a mesh format; known are {known}", known = MeshFormat::known())]
-pub struct UnknownFormat(
-    /// The word.
-    pub String,
-);
-
-impl MeshFormat {
-    /// Every format, in alphabetical order.
-    pub const ALL: [Self; 6] = [Self::Glb, Self::Gltf, Self::Obj, Self::Off, Self::Ply, Self::Stl];
-
-    /// The extension of its files, which is also the name that [`FromStr`] takes.
-    #[must_use]
-    pub const fn extension(self) -> &'static str {
-        match self {
-            Self::Glb => "glb",
-            Self::Gltf => "gltf",
-            Self::Obj => "obj",
-            Self::Off => "off",
-            Self::Ply => "ply",
-            Self::Stl => "stl",
-        }
-    }
-
-    /// The format that the extension of `path` names, in whatever case.
-    #[must_use]
-    pub fn from_path(path: &Path) -> Option<Self> {
-        path.extension()?.to_str()?.parse().ok()
-    }
-
-    /// Whether it is one of the two of glTF.
-    #[must_use]
-    pub const fn is_gltf(self) -> bool {
-        matches!(self, Self::Glb | Self::Gltf)
-    }
-
-    /// All extensions, for messages.
-    fn known() -> String {
-        Self::ALL.map(Self::extension).join(", ")
-    }
-}
-
-impl FromStr for MeshFormat {
-    type Err = UnknownFormat;
-
-    fn from_str(word: &str) -> Result<Self, Self::Err> {
-        let named = |format: &Self| format.extension().eq_ignore_ascii_case(word);
-        Self::ALL.into_iter().find(named).ok_or_else(|| UnknownFormat(word.to_owned()))
-    }
-}
-
-/// What a mesh file holds.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MeshFile {
-    /// Vertices and triangles, in the order of the file.
-    pub mesh: TriMesh,
-    /// The UVs, if every corner has one.
-    pub uv: Option<UvMap>,
-    /// What was done to get there, and what was left alone.
-    pub notes: ReadNotes,
-}
+use blocks::{Format, check};
 
 /// Reads a mesh file; its extension (in whatever case) names the format. One that ends in `.gz` is decompressed.
 ///
@@ -184,19 +109,27 @@ fn check_readable(format: MeshFormat, name: &str, bytes: &[u8]) -> Result<(), Re
     Ok(())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn extensions_name_formats_in_any_case() {
-        assert_eq!(MeshFormat::from_path(Path::new("a/b.c/Cow.OBJ")), Some(MeshFormat::Obj));
-        assert_eq!(MeshFormat::from_path(Path::new("cow.obj.gz")), None);
-        assert_eq!(MeshFormat::from_path(Path::new("obj")), None);
-        for format in MeshFormat::ALL {
-            assert_eq!(format.extension().parse(), Ok(format));
+/// Writes a mesh file; its extension (`obj`, `ply`, `glb` or `gltf`, in whatever case) names the format.
+///
+/// Vertices and faces keep their order, and all numbers are read back to the bit, except that glTF stores numbers of 32
+/// bits. A `.gltf` has its buffer beside it, as `.bin`.
+///
+/// The file is written under a temporary name in the same folder and renamed when it is complete, so that a half-written
+/// file never stands under the final name.
+///
+/// # Errors
+/// A [`WriteError`]; what stood under that name before is then still there.
+pub fn write(path: &Path, mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), WriteError> {
+    let target = || path.display().to_string();
+    let format: Format = match MeshFormat::from_path(path) {
+        Some(MeshFormat::Obj) => obj::write,
+        Some(MeshFormat::Ply) => ply::write,
+        Some(MeshFormat::Glb | MeshFormat::Gltf) => {
+            check(mesh, uv)?;
+            return gltf::write_plain(path, mesh, uv);
         }
-        let e = "fbx".parse::<MeshFormat>().unwrap_err();
-        assert_eq!(e.to_string(), "`fbx` is not a mesh format; known are glb, gltf, obj, off, ply, stl");
-    }
+        Some(MeshFormat::Off | MeshFormat::Stl) | None => return Err(WriteError::UnknownExtension { file: target() }),
+    };
+    check(mesh, uv)?;
+    replace(path, |out| format(out, mesh, uv)).map_err(|cause| WriteError::Io { target: target(), cause })
 }

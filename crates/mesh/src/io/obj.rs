@@ -12,8 +12,11 @@
 
 mod document;
 mod plain;
+mod write;
 
 pub use document::{Labels, ObjDocument, ObjWritten};
+pub(super) use write::write;
+pub use write::write_obj;
 
 use super::error::ReadError;
 use super::gather::{Gather, NO_UV};

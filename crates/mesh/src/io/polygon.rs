@@ -7,12 +7,12 @@
 
 use std::collections::HashMap;
 
-use robust::{Coord, orient2d};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Triangulation};
 
+use crate::predicates::orient2d;
 use crate::tri_mesh::has_no_area;
-use crate::{Point3, Vector3};
+use crate::{Point2, Point3, Vector3};
 
 /// How far from its plane a corner may lie, as a part of the largest extent, before the polygon is said not to be planar.
 const PLANAR: f64 = 1e-3;
@@ -67,14 +67,14 @@ fn newell(points: &[Point3<f64>]) -> Vector3<f64> {
 }
 
 /// The coordinates that are left when the one along the normal is dropped, counter-clockwise.
-fn flatten(points: &[Point3<f64>], normal: &Vector3<f64>) -> Vec<Coord<f64>> {
+fn flatten(points: &[Point3<f64>], normal: &Vector3<f64>) -> Vec<Point2<f64>> {
     let axis = normal.iamax();
     let (mut u, mut v) = ((axis + 1) % 3, (axis + 2) % 3);
     if normal[axis] < 0.0 {
         (u, v) = (v, u);
     }
     let kept = |x: f64| if x.abs() < TINY { 0.0 } else { x };
-    points.iter().map(|p| Coord { x: kept(p[u]), y: kept(p[v]) }).collect()
+    points.iter().map(|p| Point2::new(kept(p[u]), kept(p[v]))).collect()
 }
 
 fn is_bent(points: &[Point3<f64>], normal: &Vector3<f64>) -> bool {
@@ -88,7 +88,7 @@ fn is_bent(points: &[Point3<f64>], normal: &Vector3<f64>) -> bool {
 
 /// The triangles of the constrained Delaunay triangulation inside an outline, each from its lowest corner, in ascending
 /// order. `None` where the outline crosses or touches itself so that they are not two fewer than its corners.
-fn triangulate(flat: &[Coord<f64>]) -> Option<Vec<[u32; 3]>> {
+fn triangulate(flat: &[Point2<f64>]) -> Option<Vec<[u32; 3]>> {
     let mut plane = ConstrainedDelaunayTriangulation::<spade::Point2<f64>>::new();
     let mut handles = Vec::with_capacity(flat.len());
     for p in flat {
@@ -129,9 +129,9 @@ type Plane = ConstrainedDelaunayTriangulation<spade::Point2<f64>>;
 type FaceHandle = spade::handles::FixedFaceHandle<spade::handles::InnerTag>;
 type EdgeHandle = spade::handles::FixedUndirectedEdgeHandle;
 
-fn handles_position(plane: &Plane, vertex: FixedVertexHandle) -> Coord<f64> {
+fn handles_position(plane: &Plane, vertex: FixedVertexHandle) -> Point2<f64> {
     let p = plane.vertex(vertex).position();
-    Coord { x: p.x, y: p.y }
+    Point2::new(p.x, p.y)
 }
 
 /// The faces that an odd number of sides parts from the outside.
@@ -161,12 +161,12 @@ fn inner_faces(plane: &Plane, sides: &HashMap<EdgeHandle, usize>) -> Vec<FaceHan
 
 /// Whether the inside of the outline at a corner begins at this direction, or has it within: counter-clockwise from the next
 /// corner up to, and without, the previous.
-fn opens_toward(flat: &[Coord<f64>], corner: usize, toward: Coord<f64>) -> bool {
+fn opens_toward(flat: &[Point2<f64>], corner: usize, toward: Point2<f64>) -> bool {
     let here = flat[corner];
     let next = flat[(corner + 1) % flat.len()];
     let previous = flat[(corner + flat.len() - 1) % flat.len()];
-    let is_left = |a: Coord<f64>, b: Coord<f64>| orient2d(here, a, b) > 0.0;
-    let is_same = |a: Coord<f64>, b: Coord<f64>| {
+    let is_left = |a: Point2<f64>, b: Point2<f64>| orient2d(here, a, b) > 0.0;
+    let is_same = |a: Point2<f64>, b: Point2<f64>| {
         let before = |x: f64, y: f64| x.partial_cmp(&y);
         orient2d(here, a, b) == 0.0
             && before(a.x, here.x) == before(b.x, here.x)

@@ -2,7 +2,8 @@
 
 use super::outline::{Outline, Segment};
 use crate::direction;
-use crate::sheet::{Fan, Sheet, turn};
+use crate::sheet::{Fan, Sheet};
+use abf_mesh::predicates::orient2d;
 use abf_mesh::{CornerId, FaceId, Point2};
 
 /// A sector at a spot that is covered: by a fan of faces, or by the face beside a segment that passes.
@@ -106,6 +107,6 @@ pub(super) fn faces_over_each_other(sheet: &Sheet<'_>, fan: Fan) -> [Option<Face
 fn is_towards(sheet: &Sheet<'_>, corner: CornerId, towards: Point2<f64>) -> bool {
     let [centre, begin, end] = [corner, corner.next(), corner.prev()].map(|c| sheet.place(c));
     let begins = direction::is_upper(centre, begin) == direction::is_upper(centre, towards)
-        && turn(centre, begin, towards) == 0.0;
-    begins || (turn(centre, begin, towards) > 0.0 && turn(centre, towards, end) > 0.0)
+        && orient2d(centre, begin, towards) == 0.0;
+    begins || (orient2d(centre, begin, towards) > 0.0 && orient2d(centre, towards, end) > 0.0)
 }

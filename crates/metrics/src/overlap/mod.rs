@@ -24,7 +24,8 @@ mod outline;
 mod shallow;
 
 use crate::charts::DisjointSets;
-use crate::sheet::{Fan, Sheet, turn};
+use crate::sheet::{Fan, Sheet};
+use abf_mesh::predicates::orient2d;
 use abf_mesh::{FaceId, Point2};
 use box_tree::{BoxTree, Extent};
 use meeting::Meeting;
@@ -232,7 +233,7 @@ fn faces_left_of(sheet: &Sheet<'_>, outline: &Outline, fans: &[(u32, Fan)], spot
     let is_left = |&&(_, fan): &&(u32, Fan)| {
         let [first, last] = [sheet.place(fan.first.next()), sheet.place(fan.last.prev())];
         // Both edges point to the right, or straight up: the fan goes round the left if it turns back.
-        first != centre && last != centre && turn(centre, first, last) <= 0.0
+        first != centre && last != centre && orient2d(centre, first, last) <= 0.0
     };
     here.filter(is_left).count() as i64
 }
@@ -261,7 +262,7 @@ fn side_of(outline: &Outline, segment: &Segment, spot: u32) -> i8 {
     if spot == segment.low || spot == segment.high {
         return 0;
     }
-    let area = turn(outline.place(segment.low), outline.place(segment.high), outline.place(spot));
+    let area = orient2d(outline.place(segment.low), outline.place(segment.high), outline.place(spot));
     i8::from(area > 0.0) - i8::from(area < 0.0)
 }
 
@@ -283,7 +284,7 @@ fn winding_around(outline: &Outline, tree: &BoxTree, place: Point2<f64>) -> i64 
             let [low, high] = [segment.low, segment.high].map(|spot| outline.place(spot));
             let is_rising = low.y <= place.y && place.y < high.y;
             let is_falling = high.y <= place.y && place.y < low.y;
-            let side = if is_rising || is_falling { turn(low, high, place) } else { 0.0 };
+            let side = if is_rising || is_falling { orient2d(low, high, place) } else { 0.0 };
             let net = i64::from(segment.left.count) - i64::from(segment.right.count);
             // The ray to the left meets a rising segment if the point is right of it, a falling one if it is left.
             if is_rising && side < 0.0 {
@@ -316,7 +317,7 @@ fn faces_over(sheet: &Sheet<'_>, outline: &Outline, segments: &[u32]) -> Vec<[Op
 /// Whether two counter-clockwise triangles have an inner point in common: no edge of either has the
 /// other triangle on its right.
 fn triangles_overlap(a: &[Point2<f64>; 3], b: &[Point2<f64>; 3]) -> bool {
-    let is_left_of = |from, to, other: &[Point2<f64>; 3]| other.iter().any(|&p| turn(from, to, p) > 0.0);
+    let is_left_of = |from, to, other: &[Point2<f64>; 3]| other.iter().any(|&p| orient2d(from, to, p) > 0.0);
     let (one, two) = (Extent::around(a[0], a[1]), Extent::around(b[0], b[1]));
     let (one, two) = (one.with(Extent::around(a[2], a[2])), two.with(Extent::around(b[2], b[2])));
     one.meets(&two)

@@ -4,7 +4,8 @@ use super::box_tree::{BoxTree, Extent};
 use super::outline::{Outline, Segment};
 use super::{Overlaps, winding_around};
 use crate::charts::DisjointSets;
-use crate::sheet::{Sheet, turn};
+use crate::sheet::Sheet;
+use abf_mesh::predicates::orient2d;
 use abf_mesh::{FaceId, Point2};
 use std::collections::BTreeMap;
 
@@ -41,7 +42,7 @@ fn distance(p: Point2<f64>, from: Point2<f64>, to: Point2<f64>) -> f64 {
     if foot <= 0.0 || foot >= along.norm_squared() {
         return (p - from).norm().min((p - to).norm());
     }
-    turn(from, to, p).abs() / along.norm()
+    orient2d(from, to, p).abs() / along.norm()
 }
 
 impl Overlaps {

@@ -10,10 +10,10 @@ use super::number::{FINE, quantile, round, round_up, significant};
 use crate::PictureError;
 use crate::camera::View;
 use crate::checker::Checker;
-use crate::colour::Colour;
+use crate::colour::{Colour, Palette};
 use crate::panel::{Panel, bounds};
 use crate::scale::ColourScale;
-use crate::scene::{Palette, Scene};
+use crate::scene::Scene;
 use crate::skin::Skin;
 
 /// Width and height of a picture with surface and layout, pixels: twice the place it has on a page

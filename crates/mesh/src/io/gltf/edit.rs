@@ -6,7 +6,8 @@ use std::collections::HashMap;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::super::write::WriteError;
+use super::super::WriteError;
+use super::super::blocks::check_finite;
 use super::super::{ReadError, ReadNotes};
 use super::accessor::Component;
 use super::append::{Appended, object};
@@ -110,7 +111,7 @@ impl GltfDocument {
             return Err(WriteError::UvMismatch { map: uv.corners().len(), mesh: corners });
         }
         let points: Vec<[f32; 2]> = uv.points().iter().map(|&p| texcoord(p)).collect();
-        super::super::write::check_finite("UV point", points.iter().map(|p| p.iter().all(|x| x.is_finite())))?;
+        check_finite("UV point", points.iter().map(|p| p.iter().all(|x| x.is_finite())))?;
         let set = self.choose_set(&primitives, texcoords)?;
         let corners: Vec<[f32; 2]> = uv.corners().iter().map(|id| points[id.index()]).collect();
 

@@ -90,7 +90,7 @@ impl GltfDocument {
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let file = path.display().to_string();
         let bytes = super::read_bytes(path).map_err(|cause| ReadError::Open { file: file.clone(), cause })?;
-        let folder = super::write::folder_of(path).to_owned();
+        let folder = super::file::folder_of(path).to_owned();
         let mut document = Self::parse(&file, &bytes, &mut |name, length| read_buffer(&folder.join(name), length))?;
         document.folder = Some(folder);
         Ok(document)

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::super::write::{WriteError, check_finite};
+use super::super::WriteError;
+use super::super::blocks::check_finite;
 use super::accessor::Component;
 use super::append::{Appended, object};
 use super::{GltfDocument, GltfTexcoords};
@@ -63,6 +64,6 @@ impl GltfDocument {
 }
 
 /// Writes a mesh as glTF.
-pub(in super::super) fn write_plain(path: &Path, mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), WriteError> {
+pub(crate) fn write_plain(path: &Path, mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), WriteError> {
     GltfDocument::of_mesh(mesh, uv)?.write(path)
 }

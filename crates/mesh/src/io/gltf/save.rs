@@ -6,7 +6,8 @@ use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::super::write::{WriteError, folder_of, replace};
+use super::super::WriteError;
+use super::super::file::{folder_of, replace};
 use super::append::array;
 use super::json::{Object, whole};
 use super::{GltfDocument, Origin, container};

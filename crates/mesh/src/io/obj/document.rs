@@ -9,11 +9,14 @@ use std::collections::HashMap;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use super::super::WriteError;
+use super::super::blocks::check;
 use super::super::error::ReadError;
+use super::super::file::replace;
 use super::super::polygon::Inside;
 use super::super::text::{Lines, Words, integer, without_mark};
-use super::super::write::{WriteError, check, decimal, index, replace};
 use super::super::{MeshFile, MeshFormat, check_readable};
+use super::write::{decimal, index};
 use crate::{UvId, UvMap, VertexId};
 
 /// A name for every triangle.

@@ -7,9 +7,12 @@
 
 mod header;
 mod rows;
+mod write;
 
 use header::{Element, Encoding, Header, Property, Scalar};
 use rows::{BinaryRows, Rows, TextRows, whole};
+pub(super) use write::write;
+pub use write::write_ply;
 
 use super::MeshFile;
 use super::error::{Location, Place, ReadError};

@@ -1,0 +1,15 @@
+//! What a mesh file holds.
+
+use super::ReadNotes;
+use crate::{TriMesh, UvMap};
+
+/// What a mesh file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile {
+    /// Vertices and triangles, in the order of the file.
+    pub mesh: TriMesh,
+    /// The UVs, if every corner has one.
+    pub uv: Option<UvMap>,
+    /// What was done to get there, and what was left alone.
+    pub notes: ReadNotes,
+}
