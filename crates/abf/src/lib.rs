@@ -45,6 +45,7 @@ pub use abf_control::{
 };
 pub use abf_cut::Weld;
 pub use abf_metrics::{Certificate, Metrics, MetricsError, Precision};
+pub use abf_pack::{Effort, PackError};
 pub use abf_reconstruct::{LayoutKind, LayoutSettings};
 pub use abf_solve_core::{
     AngleSolution, AngleSolver, BoundRule, Hessian, InnerTolerance, IterativeSettings, LineSearch, NewtonSettings,

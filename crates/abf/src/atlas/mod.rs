@@ -1,20 +1,20 @@
-//! From charts to an atlas: turned into their tightest boxes, scaled alike, and packed with a margin.
+//! From charts to an atlas: packed by their shape, at one scale, with a margin.
 
-mod boxes;
 mod judge;
-mod packing;
+mod outline;
 
-use crate::unwrap::Unwrapped;
+use crate::unwrap::{Unwrapped, UnwrappedChart};
 use abf_control::SettingError;
 use abf_mesh::{Point2, TriMesh, UvMap};
 use abf_metrics::{Metrics, MetricsError, Precision};
-use boxes::TightBox;
+use abf_pack::{Effort, PackError, PackSettings, Packing, Piece};
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::fmt;
 use std::str::FromStr;
 
 /// How charts are laid out in the unit square.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Atlas {
     /// Which charts share a page.
     pub pages: AtlasPages,
@@ -22,11 +22,24 @@ pub struct Atlas {
     pub resolution: u32,
     /// Texels that stay free between two charts, and between a chart and the border.
     pub margin: u32,
+    /// How hard the packer tries.
+    pub effort: Effort,
+    /// How many pages the charts that share pages may take.
+    pub max_pages: usize,
+    /// Texels per unit of the mesh. Without it the largest number with which the charts are found to fit.
+    pub texels_per_unit: Option<f64>,
 }
 
 impl Default for Atlas {
     fn default() -> Self {
-        Self { pages: AtlasPages::One, resolution: 1024, margin: 2 }
+        Self {
+            pages: AtlasPages::One,
+            resolution: 1024,
+            margin: 2,
+            effort: Effort::Fast,
+            max_pages: 1,
+            texels_per_unit: None,
+        }
     }
 }
 
@@ -67,6 +80,9 @@ pub enum AtlasError {
         /// The resolution asked for.
         resolution: u32,
     },
+    /// Charts that do not fit at the scale that was given, and settings of the packer.
+    #[error(transparent)]
+    Pack(PackError),
     /// The packed UVs cannot be judged.
     #[error(transparent)]
     Metrics(#[from] MetricsError),
@@ -99,18 +115,23 @@ pub struct Placement {
     pub turn: [f64; 2],
     /// The lower left corner of its box after that, in units of the mesh.
     pub low: Point2<f64>,
-    /// The texel that this corner is put at.
-    pub texel: [u32; 2],
+    /// Where this corner is put, in texels.
+    pub texel: [f64; 2],
 }
 
 impl Placement {
     fn place(&self, p: Point2<f64>, texels_per_unit: f64, resolution: u32) -> Point2<f64> {
-        let q = boxes::turned(p, self.turn);
-        let along = |x: f64, low: f64, texel: u32| {
-            // The last bits may point out of the page.
-            (((x - low) * texels_per_unit + f64::from(texel)) / f64::from(resolution)).clamp(0.0, 1.0)
-        };
-        Point2::new(along(q.x, self.low.x, self.texel[0]), along(q.y, self.low.y, self.texel[1]))
+        let Self { page, turn, low, texel: corner } = *self;
+        let placed = abf_pack::Placement { page, turn, low: [low.x, low.y], corner };
+        // The last bits may point out of the page.
+        let within = placed.texel([p.x, p.y], texels_per_unit).map(|x| (x / f64::from(resolution)).clamp(0.0, 1.0));
+        Point2::from(within)
+    }
+}
+
+impl From<abf_pack::Placement> for Placement {
+    fn from(placed: abf_pack::Placement) -> Self {
+        Self { page: placed.page, turn: placed.turn, low: Point2::from(placed.low), texel: placed.corner }
     }
 }
 
@@ -138,33 +159,54 @@ impl Atlas {
     ) -> Result<Packed, AtlasError> {
         self.check()?;
         let page_of = self.pages_of(mesh, unwrapped, materials)?;
-        let mut pages: Vec<Vec<usize>> = vec![Vec::new(); page_of.iter().max().map_or(0, |last| last + 1)];
-        page_of.iter().enumerate().for_each(|(chart, &page)| pages[page].push(chart));
-        let mut boxes: Vec<TightBox> =
-            unwrapped.charts.iter().map(|chart| TightBox::around(chart.uv.points())).collect();
+        let piece = |(chart, &group): (&UnwrappedChart, &usize)| Piece {
+            polygons: outline::polygons(chart),
+            group,
+            keeps_its_angle: false,
+        };
+        let mut pieces: Vec<Piece> = unwrapped.charts.par_iter().zip(&page_of).map(piece).collect();
+        let settings = self.packer(precision);
         loop {
-            let (texels_per_unit, texels) = packing::pack(&boxes, &pages, self.resolution, self.margin)?;
-            let placement = |i: usize| Placement {
-                page: page_of[i],
-                turn: boxes[i].turn,
-                low: boxes[i].low,
-                texel: texels[i].map(|t| t + self.margin),
-            };
-            let placements: Vec<Placement> = (0..boxes.len()).map(placement).collect();
+            let Packing { texels_per_unit, placements, pages, .. } =
+                abf_pack::pack(&pieces, &settings).map_err(|error| self.refused(error))?;
+            let placements: Vec<Placement> = placements.into_iter().map(Placement::from).collect();
             let uv = unwrapped.assemble(|i, p| stored(placements[i].place(p, texels_per_unit, self.resolution)));
-            let judged = judge::judge(mesh, unwrapped, &pages, &uv, precision)?;
-            let spoilt: Vec<usize> = judged
-                .invalid_charts
-                .iter()
-                .copied()
-                .filter(|&i| boxes[i].is_turned() && unwrapped.charts[i].metrics.valid())
-                .collect();
+            let mut charts_of = vec![Vec::new(); pages];
+            placements.iter().enumerate().for_each(|(chart, placement)| charts_of[placement.page].push(chart));
+            let judged = judge::judge(mesh, unwrapped, &charts_of, &uv, precision)?;
+            let mut spoilt = judged.invalid_charts;
+            spoilt.retain(|&i| !pieces[i].keeps_its_angle && unwrapped.charts[i].metrics.valid());
             if spoilt.is_empty() {
-                let coverage = judged.metrics.uv_area / pages.len() as f64;
-                let (pages, metrics) = (pages.len(), judged.metrics);
+                let metrics = judged.metrics;
+                let coverage = metrics.uv_area / pages as f64;
                 return Ok(Packed { uv, placements, pages, texels_per_unit, coverage, metrics });
             }
-            spoilt.iter().for_each(|&i| boxes[i] = TightBox::unturned(unwrapped.charts[i].uv.points()));
+            spoilt.iter().for_each(|&i| pieces[i].keeps_its_angle = true);
+        }
+    }
+
+    fn packer(&self, precision: Precision) -> PackSettings {
+        // Half of the last digit of a number up to 1, twice for a format that counts v from the top; times the diagonal.
+        let rounding = match precision {
+            Precision::Single => f64::from(f32::EPSILON),
+            Precision::Double => f64::EPSILON,
+        };
+        PackSettings {
+            page: [self.resolution; 2],
+            margin: f64::from(self.margin),
+            rounding: rounding * f64::from(self.resolution),
+            pages: self.max_pages,
+            texels_per_unit: self.texels_per_unit,
+            effort: self.effort,
+        }
+    }
+
+    fn refused(&self, error: PackError) -> AtlasError {
+        match error {
+            PackError::TooManyPieces { pieces, .. } => {
+                AtlasError::TooManyCharts { charts: pieces, margin: self.margin, resolution: self.resolution }
+            }
+            other => AtlasError::Pack(other),
         }
     }
 

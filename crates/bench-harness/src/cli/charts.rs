@@ -3,7 +3,7 @@
 use super::args::{ChartArgs, SeamsFrom};
 use super::targets::check_extension;
 use super::usage::usage;
-use abf::{Atlas, AtlasPages, SeamRule, Unwrap};
+use abf::{Atlas, AtlasPages, Effort, SeamRule, Unwrap};
 use abf_mesh::io::MeshFormat;
 use clap::error::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -71,6 +71,12 @@ impl Charting {
         if margin > resolution / 4 {
             return wrong(format!("--margin must be at most a quarter of --resolution {resolution}, got {margin}"));
         }
+        if args.max_pages == Some(0) {
+            return wrong("--max-pages must be at least 1, got 0".to_owned());
+        }
+        if let Some(texels) = args.texels_per_unit.filter(|t| !(*t > 0.0 && t.is_finite())) {
+            return wrong(format!("--texels-per-unit must be positive, got {texels}"));
+        }
         for (option, path, extension) in [("--seam-lines", &args.seam_lines, "obj"), ("--remap", &args.remap, "json")] {
             if let Some(path) = path {
                 check_extension(option, path, &[extension])?;
@@ -92,7 +98,15 @@ impl Charting {
                 strict: args.strict,
                 ..unwrap
             },
-            atlas: Atlas { pages: args.atlas.unwrap_or(atlas.pages), resolution, margin },
+            atlas: Atlas {
+                pages: args.atlas.unwrap_or(atlas.pages),
+                resolution,
+                margin,
+                // A user of the program waits once for an atlas that is used often.
+                effort: args.pack.unwrap_or(Effort::Good),
+                max_pages: args.max_pages.unwrap_or(atlas.max_pages),
+                texels_per_unit: args.texels_per_unit,
+            },
             seams,
             is_asked,
             disks_only: args.disks_only,

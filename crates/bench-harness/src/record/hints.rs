@@ -137,6 +137,7 @@ pub(crate) fn atlas(error: &AtlasError) -> Hint {
         AtlasError::Setting(_) => ("setting", "change that option"),
         AtlasError::Labels { .. } => ("no-materials", "this file has no materials: take --atlas one or per-component"),
         AtlasError::TooManyCharts { .. } => ("too-many-charts", "use a larger --resolution or a smaller --margin"),
+        AtlasError::Pack(_) => ("no-room", "use a lower --texels-per-unit, more --max-pages or a larger --resolution"),
         AtlasError::Metrics(error) => metrics(error),
         _ => ("internal", REPORT),
     }

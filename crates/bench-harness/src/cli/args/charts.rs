@@ -1,7 +1,7 @@
 //! The options of seams, holes and the atlas.
 
 use super::method::one_of;
-use abf::{AtlasPages, HoleRule, Weld};
+use abf::{AtlasPages, Effort, HoleRule, Weld};
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -51,6 +51,15 @@ pub(crate) struct ChartArgs {
     /// Texels between charts [default: 2]
     #[arg(long, value_name = "N", help_heading = CHARTS)]
     pub(crate) margin: Option<u32>,
+    /// How hard to try to fill the atlas: milliseconds, about a second, or several [default: good]
+    #[arg(long, value_name = "EFFORT", value_parser = one_of::<Effort, _>(Effort::ALL.map(Effort::name)), help_heading = CHARTS)]
+    pub(crate) pack: Option<Effort>,
+    /// How many pages the charts may take that share pages [default: 1]
+    #[arg(long, value_name = "N", help_heading = CHARTS)]
+    pub(crate) max_pages: Option<usize>,
+    /// Texels per unit of the mesh, on as many pages as that takes [default: as many as fit]
+    #[arg(long, value_name = "T", help_heading = CHARTS)]
+    pub(crate) texels_per_unit: Option<f64>,
     /// Write the seams as lines: obj
     #[arg(long, value_name = "FILE", help_heading = CHARTS)]
     pub(crate) seam_lines: Option<PathBuf>,
@@ -90,6 +99,9 @@ impl ChartArgs {
             || atlas.is_some()
             || resolution.is_some()
             || margin.is_some()
+            || self.pack.is_some()
+            || self.max_pages.is_some()
+            || self.texels_per_unit.is_some()
             || self.seam_lines.is_some()
             || self.remap.is_some()
     }
