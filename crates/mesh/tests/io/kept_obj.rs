@@ -172,7 +172,7 @@ fn a_concave_polygon_is_kept_and_its_diagonals_are_told() {
     assert_eq!(document.file().notes.polygons_not_fanned, 1);
     assert_eq!(document.file().mesh.area(), 4.0);
     let sides: Vec<[usize; 2]> = (0..6).map(|i| [i, (i + 1) % 6]).collect();
-    let diagonals: Vec<[usize; 2]> = document.diagonals().iter().map(|d| d.map(|v| v.index())).collect();
+    let diagonals: Vec<[usize; 2]> = document.diagonals().iter().map(|d| d.map(VertexId::index)).collect();
     assert_eq!(diagonals.len(), 3);
     assert!(diagonals.iter().all(|&[a, b]| !sides.contains(&[a, b]) && !sides.contains(&[b, a])));
     let (whole, split) = written(&document, &map(&document, false));

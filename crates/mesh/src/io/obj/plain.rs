@@ -6,12 +6,15 @@
 //! the careful reader, which alone knows what is an error and where. A file that both read is the
 //! same mesh with the same notes, to the bit, however many pieces there were.
 
+mod polygons;
+
 use rayon::prelude::*;
 
-use super::super::polygon::{self, Inside};
+use super::super::polygon::Inside;
 use super::super::text::{Words, without_mark};
 use super::super::{MeshFile, ReadNotes};
 use crate::{Point2, Point3, TriMesh, UvId, UvMap, VertexId};
+use polygons::{Polygon, cut};
 
 /// The least number of bytes that is worth a piece of its own.
 const PIECE: usize = 1 << 18;
@@ -74,17 +77,6 @@ struct Part {
     notes: ReadNotes,
     /// Lines of normals; there may be too many to look up their count each time.
     normals: usize,
-}
-
-/// A face of more than three corners, cut into a fan.
-#[derive(Clone, Copy)]
-struct Polygon {
-    /// Its number among the faces.
-    number: usize,
-    /// Its first triangle.
-    first: usize,
-    /// How many it has.
-    triangles: usize,
 }
 
 /// A corner of a face: its vertex, and its UV if it names one.
@@ -339,45 +331,6 @@ fn join(parts: Vec<Part>) -> Option<(MeshFile, Inside)> {
         Some(map)
     };
     Some((MeshFile { mesh, uv, notes }, inside))
-}
-
-/// Cuts the polygons that are no fans inside their outline, in place.
-fn cut(
-    positions: &[Point3<f64>],
-    polygons: &[Polygon],
-    triangles: &mut [[VertexId; 3]],
-    uv_corners: &mut [UvId],
-    notes: &mut ReadNotes,
-) -> Inside {
-    let look = |p: &Polygon| {
-        let fan = &triangles[p.first..p.first + p.triangles];
-        let points: Vec<_> = of_fan(fan).into_iter().map(|v| positions[v.index()]).collect();
-        polygon::cut(&points)
-    };
-    let cuts: Vec<_> = polygons.par_iter().map(look).collect();
-    let mut inside = Inside::new();
-    for (p, cut) in polygons.iter().zip(cuts) {
-        notes.polygon(p.triangles, &cut);
-        let Some(own) = cut.inside else { continue };
-        let range = p.first..p.first + p.triangles;
-        place(&own, &mut triangles[range.clone()]);
-        if let Some(uvs) = uv_corners.as_chunks_mut().0.get_mut(range) {
-            place(&own, uvs);
-        }
-        inside.insert(p.number, own);
-    }
-    inside
-}
-
-/// The corners of a polygon from its fan.
-fn of_fan<T: Copy>(fan: &[[T; 3]]) -> Vec<T> {
-    fan[..1].iter().flatten().copied().chain(fan[1..].iter().map(|face| face[2])).collect()
-}
-
-/// Replaces a fan by other triangles of the same polygon.
-fn place<T: Copy>(own: &[[u32; 3]], fan: &mut [[T; 3]]) {
-    let corners = of_fan(fan);
-    fan.iter_mut().zip(own).for_each(|(face, own)| *face = own.map(|c| corners[c as usize]));
 }
 
 /// The index counted from zero, if it names one of `available` elements; `before` came in earlier pieces.
