@@ -16,8 +16,8 @@ mod record;
 mod run;
 mod show;
 
-use clap::Parser;
-use cli::args::{Args, Command};
+use cli::args::{Args, Command, Generated};
+use cli::program;
 use commands::compare::{Comparison, compare};
 use commands::flatten::{Settings, flatten};
 use commands::survey::{Survey, survey};
@@ -34,7 +34,10 @@ pub fn main() -> ExitCode {
 
 /// Does what was asked for.
 fn run_command() -> Outcome {
-    let args = Args::parse();
+    let args: Args = program::parse();
+    if let Some(what) = args.generate {
+        return print(what);
+    }
     // First of all: to check settings is parallel work already.
     if let Err(failure) = start_threads(args.threads()) {
         console::failure(&failure);
@@ -42,11 +45,28 @@ fn run_command() -> Outcome {
     }
     // A usage error says what is wrong and leaves with code 2.
     match args.command {
-        None => flatten(&Settings::new(args.flatten).unwrap_or_else(|error| error.exit())),
-        Some(Command::Compare(args)) => compare(&Comparison::new(*args).unwrap_or_else(|error| error.exit())),
-        Some(Command::Survey(args)) => survey(&Survey::new(*args).unwrap_or_else(|error| error.exit())),
+        None => flatten(&Settings::new(args.flatten).unwrap_or_else(|error| program::exit(error, None))),
+        Some(Command::Compare(args)) => {
+            compare(&Comparison::new(*args).unwrap_or_else(|error| program::exit(error, Some("compare"))))
+        }
+        Some(Command::Survey(args)) => {
+            survey(&Survey::new(*args).unwrap_or_else(|error| program::exit(error, Some("survey"))))
+        }
         Some(Command::Metrics(args)) => metrics::judge_all(&args),
         Some(Command::Fixtures(args)) => fixtures::write(args),
+    }
+}
+
+/// Prints a completion script or a manual page.
+fn print(what: Generated) -> Outcome {
+    let mut text = Vec::new();
+    let made = program::generate(what, &mut text).map_err(|error| Failure::unwritable("stdout", &error));
+    match made.and_then(|()| console::data(&String::from_utf8_lossy(&text))) {
+        Ok(()) => Outcome::AsAsked,
+        Err(failure) => {
+            console::failure(&failure);
+            Outcome::Failed
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use super::args::{MethodArgs, SolverChoice, names};
 use super::usage::usage;
 use crate::record::NotRun;
 use crate::record::failure::chain;
+use crate::record::kind::NotRunKind;
 use abf::constraints::ProblemError;
 use abf::embed::EmbedError;
 use abf::mesh::{Point3, TriMesh};
@@ -31,7 +32,7 @@ impl Method {
     /// Why this mesh is not given to the solver, if it is not.
     pub(crate) fn not_run(&self, mesh: &TriMesh) -> Option<NotRun> {
         if let Some(message) = &self.unsupported {
-            return Some(NotRun { kind: "settings", message: message.clone() });
+            return Some(NotRun { kind: NotRunKind::Settings, message: message.clone() });
         }
         let triangles = mesh.face_count();
         let limit = self.most_triangles.filter(|&limit| triangles > limit)?;
@@ -41,7 +42,7 @@ impl Method {
              asked for with --solver {solver}",
             5 * triangles
         );
-        Some(NotRun { kind: "too large", message })
+        Some(NotRun { kind: NotRunKind::TooLarge, message })
     }
 }
 
@@ -284,7 +285,7 @@ mod tests {
             let methods = methods_of(options).expect("methods");
             methods.iter().filter_map(|m| m.not_run(&large)).map(|n| n.kind).collect::<Vec<_>>()
         };
-        assert_eq!(not_run("--solver all"), ["too large"]);
-        assert_eq!(not_run("--solver abf,lscm"), [""; 0]);
+        assert_eq!(not_run("--solver all"), [NotRunKind::TooLarge]);
+        assert_eq!(not_run("--solver abf,lscm"), []);
     }
 }

@@ -1,10 +1,8 @@
 //! Usage errors.
 
-use super::args::Args;
 use clap::error::ErrorKind;
 
-/// A usage error.
+/// A usage error, without the usage of the command that it is of: [`super::program::exit`] adds that.
 pub(crate) fn usage(kind: ErrorKind, message: impl std::fmt::Display) -> clap::Error {
-    use clap::CommandFactory;
-    Args::command().error(kind, message)
+    clap::Error::raw(kind, format!("{message}\n"))
 }

@@ -59,10 +59,9 @@ fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
 
     let uv = file.uv.ok_or_else(|| Failure::no_uv(&record.mesh, file.notes.uv_dropped))?;
     let metrics = measured(&file.mesh, uv, MeshFormat::of_input(path), file.notes.uv_single);
-    record.quality = Some(Quality::new(metrics.map_err(|error| Failure::metrics(&record.mesh, &error))?));
-    record.overlap = advice::overlap(record);
-    if let Some(overlap) = &record.overlap {
-        console::note(&record.mesh, overlap);
+    record.quality = Some(Quality::new(&metrics.map_err(|error| Failure::metrics(&record.mesh, &error))?));
+    if let Some(overlap) = advice::overlap(record) {
+        console::note(&record.mesh, &overlap);
     }
     let total = begin.elapsed().as_secs_f64();
     let stages = Stages { topology: built - read, ..Stages::default() };

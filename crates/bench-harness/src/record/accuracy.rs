@@ -8,7 +8,7 @@ use std::str::FromStr;
 const AUTO: &str = "auto";
 
 /// How exactly an inner method solves, as it is typed and shown.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct InnerAccuracy(
     /// As the library has it.
     pub(crate) InnerTolerance,

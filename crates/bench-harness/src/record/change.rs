@@ -1,9 +1,9 @@
 //! What changed in one result.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// One result beside the earlier one. `None` where one of them has no value.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Change {
     /// How it went then; `"new"` if there was none.
     pub(crate) result: String,

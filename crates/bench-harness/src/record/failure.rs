@@ -1,37 +1,43 @@
 //! From errors to sentences: what is wrong, where, how many, and what to try next.
 
 use super::hints;
+use super::kind::FailureKind;
+use super::location::{self, Location};
 use super::number::megabytes;
 use abf::{AtlasError, FlattenError, MetricsError, UnwrapError};
 use abf_mesh::io::{ReadError, UvDropped, WriteError};
 use abf_report::PictureError;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::error::Error;
 use std::io;
 use std::path::Path;
 
-/// The kind of a failure that is none.
-const CANCELLED: &str = "cancelled";
-
 /// Why there is no result, or no file.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Failure {
     /// A word for programs; it stays the same when the message is reworded.
-    pub(crate) kind: &'static str,
+    pub(crate) kind: FailureKind,
     /// What is wrong, where, and how many times.
     pub(crate) message: String,
     /// What to try next.
     pub(crate) hint: String,
+    /// Where, as far as that is known.
+    #[serde(default, skip_serializing_if = "Location::is_unknown")]
+    pub(crate) at: Location,
 }
 
 impl Failure {
-    fn new((kind, hint): (&'static str, &str), message: String) -> Self {
-        Self { kind, message, hint: hint.to_owned() }
+    fn new((kind, hint): (FailureKind, &str), message: String) -> Self {
+        Self { kind, message, hint: hint.to_owned(), at: Location::default() }
+    }
+
+    fn at(self, at: Location) -> Self {
+        Self { at, ..self }
     }
 
     /// A file that cannot be read.
     pub(crate) fn read(error: &ReadError) -> Self {
-        Self::new(hints::read(error), chain(error))
+        Self::new(hints::read(error), chain(error)).at(location::read(error))
     }
 
     /// A file that would take more memory than is allowed.
@@ -45,12 +51,14 @@ impl Failure {
     /// A mesh that cannot be flattened. `fanned` says whether polygons were cut, which is what its
     /// triangles are counted after.
     pub(crate) fn flatten(mesh: &str, error: &FlattenError, fanned: bool) -> Self {
-        Self::new(hints::flatten(error), format!("{mesh}: {}", counted(chain(error), fanned)))
+        let at = location::flatten(error);
+        Self::new(hints::flatten(error), format!("{mesh}: {}", counted(chain(error), &at, fanned))).at(at)
     }
 
     /// A mesh that cannot be made charts.
     pub(crate) fn unwrap(mesh: &str, error: &UnwrapError, fanned: bool) -> Self {
-        Self::new(hints::unwrap(error), format!("{mesh}: {}", counted(chain(error), fanned)))
+        let at = location::unwrap(error);
+        Self::new(hints::unwrap(error), format!("{mesh}: {}", counted(chain(error), &at, fanned))).at(at)
     }
 
     /// Charts that cannot be packed.
@@ -61,31 +69,35 @@ impl Failure {
     /// A file without the seams that were to be kept.
     pub(crate) fn no_seams(mesh: &str) -> Self {
         let hint = "take --seams auto, or --seams file for the borders of groups and materials";
-        Self::new(("no-seams", hint), format!("{mesh}: it has no seams to keep"))
+        Self::new((FailureKind::NoSeams, hint), format!("{mesh}: it has no seams to keep"))
     }
 
     /// A picture of more than one page.
     pub(crate) fn several_pages(path: &Path, pages: usize) -> Self {
         let hint = "take --atlas one for a picture";
-        Self::new(("no-picture", hint), format!("{}: there are {pages} pages, and a picture shows one", path.display()))
+        Self::new(
+            (FailureKind::NoPicture, hint),
+            format!("{}: there are {pages} pages, and a picture shows one", path.display()),
+        )
     }
 
     /// A file that was changed while it was worked on.
     pub(crate) fn changed(mesh: &str) -> Self {
         let hint = "start again when nothing else writes it";
-        Self::new(("changed", hint), format!("{mesh}: the file was changed since it was read"))
+        Self::new((FailureKind::Changed, hint), format!("{mesh}: the file was changed since it was read"))
     }
 
     /// UVs that cannot be judged.
     pub(crate) fn metrics(mesh: &str, error: &MetricsError) -> Self {
-        Self::new(hints::metrics(error), format!("{mesh}: {}", counted(chain(error), false)))
+        let at = location::metrics(error);
+        Self::new(hints::metrics(error), format!("{mesh}: {}", counted(chain(error), &at, false))).at(at)
     }
 
     /// A file without UVs where there should be some.
     pub(crate) fn no_uv(mesh: &str, dropped: Option<UvDropped>) -> Self {
         let why = dropped.map_or_else(String::new, |why| format!(" that can be used: {why}"));
         let hint = "flatten it first with -o out.obj, then judge out.obj";
-        Self::new(("no-uv", hint), format!("{mesh}: there are no UVs{why}"))
+        Self::new((FailureKind::NoUv, hint), format!("{mesh}: there are no UVs{why}"))
     }
 
     /// A mesh that cannot be written.
@@ -107,7 +119,7 @@ impl Failure {
         let text = error.to_string();
         let said = text.split(" at path ").next().unwrap_or(&text);
         Self::new(
-            ("unwritable", hints::unwritable(Path::new(target), error)),
+            (FailureKind::Unwritable, hints::unwritable(Path::new(target), error)),
             format!("{target}: cannot be written: {said}"),
         )
     }
@@ -120,60 +132,60 @@ impl Failure {
     /// A folder without meshes.
     pub(crate) fn no_meshes(folder: &Path) -> Self {
         let hint = "name a folder with obj, off, ply, stl, gltf or glb files in it or below it";
-        Self::new(("no-meshes", hint), format!("{}: there is no mesh below it", folder.display()))
+        Self::new((FailureKind::NoMeshes, hint), format!("{}: there is no mesh below it", folder.display()))
     }
 
     /// A file that is not the JSON of a comparison.
     pub(crate) fn no_baseline(path: &Path, why: &str) -> Self {
         let hint = "name a file that compare --json has written";
-        Self::new(("no-baseline", hint), format!("{}: no earlier comparison: {why}", path.display()))
+        Self::new((FailureKind::NoBaseline, hint), format!("{}: no earlier comparison: {why}", path.display()))
     }
 
     /// A file that is not what a survey writes.
     pub(crate) fn no_survey(path: &Path, why: &str) -> Self {
         let hint = "name a file that survey --json has written, or leave out --resume";
-        Self::new(("no-survey", hint), format!("{}: no earlier survey: {why}", path.display()))
+        Self::new((FailureKind::NoSurvey, hint), format!("{}: no earlier survey: {why}", path.display()))
     }
 
     /// A survey that was broken off, and would be lost.
     pub(crate) fn unfinished_survey(log: &Path) -> Self {
         let hint = "go on with it with --resume, or delete that file to begin anew";
-        Self::new(("unfinished-survey", hint), format!("{}: a survey was broken off here", log.display()))
+        Self::new((FailureKind::UnfinishedSurvey, hint), format!("{}: a survey was broken off here", log.display()))
     }
 
     /// A survey that was made in another way than is asked for now.
     pub(crate) fn other_settings(path: &Path, what: &str, before: &str, now: &str) -> Self {
         let hint = "go on with the settings it was made with, or name another --json for this one";
         let message = format!("{}: made with {what} {before}, and asked for is {now}", path.display());
-        Self::new(("other-settings", hint), message)
+        Self::new((FailureKind::OtherSettings, hint), message)
     }
 
     /// A defect of this program.
     pub(crate) fn panicked(mesh: &str) -> Self {
-        Self::new(("internal", hints::REPORT), format!("{mesh}: the program has failed on this mesh"))
+        Self::new((FailureKind::Internal, hints::REPORT), format!("{mesh}: the program has failed on this mesh"))
     }
 
     /// A picture that cannot be drawn.
     pub(crate) fn picture(path: &Path, error: &PictureError) -> Self {
         let hint = "leave out --png or --svg; the mesh and the figures do not depend on it";
-        Self::new(("no-picture", hint), format!("{}: {}", path.display(), chain(error)))
+        Self::new((FailureKind::NoPicture, hint), format!("{}: {}", path.display(), chain(error)))
     }
 
     /// Threads that the system does not give.
     pub(crate) fn threads(count: u16, error: &dyn Error) -> Self {
         let message = format!("{count} threads cannot be started: {}", chain(error));
-        Self::new(("threads", "ask for fewer --threads; the results are the same"), message)
+        Self::new((FailureKind::Threads, "ask for fewer --threads; the results are the same"), message)
     }
 
     /// A mesh that was not begun.
     pub(crate) fn cancelled(mesh: &str) -> Self {
         let hint = hints::flatten(&FlattenError::from(abf::Cancelled)).1;
-        Self::new((CANCELLED, hint), format!("{mesh}: {}", FlattenError::from(abf::Cancelled)))
+        Self::new((FailureKind::Cancelled, hint), format!("{mesh}: {}", FlattenError::from(abf::Cancelled)))
     }
 
     /// Whether nothing is wrong but that the user stopped it.
     pub(crate) fn is_cancelled(&self) -> bool {
-        self.kind == CANCELLED
+        self.kind == FailureKind::Cancelled
     }
 }
 
@@ -192,12 +204,8 @@ pub(crate) fn chain(error: &dyn Error) -> String {
 }
 
 /// Says from where indices are counted, if the message has some and does not say it.
-fn counted(message: String, fanned: bool) -> String {
-    const INDEXED: [&str; 5] = ["face ", "faces ", "vertex ", "vertices ", "corner "];
-    let has_index = |word: &str| {
-        message.match_indices(word).any(|(at, _)| message[at + word.len()..].starts_with(|c: char| c.is_ascii_digit()))
-    };
-    if message.contains("counted from") || !INDEXED.iter().any(|word| has_index(word)) {
+fn counted(message: String, at: &Location, fanned: bool) -> String {
+    if !at.counts_from_zero() {
         return message;
     }
     let after = if fanned { ", faces after polygons are cut into triangles" } else { "" };

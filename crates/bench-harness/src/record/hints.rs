@@ -2,6 +2,7 @@
 //!
 //! The libraries' enums may grow: what is not known here gets a hint that always helps.
 
+use super::kind::FailureKind;
 use abf::constraints::ProblemError;
 use abf::cut::RepairError;
 use abf::embed::EmbedError;
@@ -14,7 +15,7 @@ use std::io;
 use std::path::Path;
 
 /// The kind of an error, and what to try next.
-pub(crate) type Hint = (&'static str, &'static str);
+pub(crate) type Hint = (FailureKind, &'static str);
 
 const EXPORT_AGAIN: &str = "the file is damaged: export it again, or fetch it again";
 pub(crate) const REPORT: &str = "this should not happen: please report it with the file";
@@ -22,68 +23,76 @@ const MERGE: &str =
     "delete the extra faces, or split the mesh into its sheets (in Blender: Select > All by Trait > Non Manifold)";
 
 /// For what is no disk where only disks are taken.
-const CHARTS: &str = "flatten it without --disks-only, or cut it into charts first: bench-harness MESH -o charts.obj";
+const CHARTS: &str = "cut it into charts first: abf MESH -o charts.obj";
 
-/// The kind of what would take more memory than is allowed.
-const MEMORY: &str = "memory";
 const MORE_MEMORY: &str = "use a larger --max-memory, a coarser mesh or a larger machine";
 
 /// For files that would take more memory than is allowed.
-pub(crate) const FILE_MEMORY: Hint = (MEMORY, MORE_MEMORY);
+pub(crate) const FILE_MEMORY: Hint = (FailureKind::Memory, MORE_MEMORY);
 
 /// For files that cannot be read.
 pub(crate) fn read(error: &ReadError) -> Hint {
     match error {
         ReadError::Open { cause, .. } => cannot_open(cause),
         ReadError::UnknownExtension { .. } => {
-            ("unknown-extension", "convert it to one of these, or rename it if it is one of them")
+            (FailureKind::UnknownExtension, "convert it to one of these, or rename it if it is one of them")
         }
-        ReadError::Empty { .. } => ("empty-file", EXPORT_AGAIN),
-        ReadError::NoVertices { .. } => ("no-vertices", "is it a mesh? export one with vertices and faces"),
-        ReadError::NoFaces { .. } => ("no-faces", "a point cloud or a curve has no surface: export a mesh with faces"),
-        ReadError::BadNumber { .. } => ("bad-number", "correct that line; numbers have a point, not a comma"),
+        ReadError::Empty { .. } => (FailureKind::EmptyFile, EXPORT_AGAIN),
+        ReadError::NoVertices { .. } => (FailureKind::NoVertices, "is it a mesh? export one with vertices and faces"),
+        ReadError::NoFaces { .. } => {
+            (FailureKind::NoFaces, "a point cloud or a curve has no surface: export a mesh with faces")
+        }
+        ReadError::BadNumber { .. } => (FailureKind::BadNumber, "correct that line; numbers have a point, not a comma"),
         ReadError::NotFinite { .. } => {
-            ("not-finite", "correct or remove these vertices: NaN and infinity have no place")
+            (FailureKind::NotFinite, "correct or remove these vertices: NaN and infinity have no place")
         }
-        ReadError::MissingCoordinate { .. } => ("missing-coordinate", "a vertex needs x, y and z: correct that line"),
-        ReadError::MissingValue { .. } => ("missing-value", "complete that line"),
-        ReadError::BadIndex { .. } => ("bad-index", "correct that face: indices are whole numbers"),
+        ReadError::MissingCoordinate { .. } => {
+            (FailureKind::MissingCoordinate, "a vertex needs x, y and z: correct that line")
+        }
+        ReadError::MissingValue { .. } => (FailureKind::MissingValue, "complete that line"),
+        ReadError::BadIndex { .. } => (FailureKind::BadIndex, "correct that face: indices are whole numbers"),
         ReadError::IndexZero { .. } => {
-            ("index-zero", "add 1 to every index, if the program that wrote it counted from 0")
+            (FailureKind::IndexZero, "add 1 to every index, if the program that wrote it counted from 0")
         }
         ReadError::IndexOutOfRange { .. } => {
-            ("index-out-of-range", "correct or remove these faces, or export the file again")
+            (FailureKind::IndexOutOfRange, "correct or remove these faces, or export the file again")
         }
-        ReadError::TooFewCorners { .. } => ("too-few-corners", "remove these faces: a face needs 3 corners"),
-        ReadError::BadListLength { .. } => ("bad-list-length", EXPORT_AGAIN),
-        ReadError::Truncated { .. } => ("truncated", EXPORT_AGAIN),
-        ReadError::UnexpectedEnd { .. } => ("unexpected-end", EXPORT_AGAIN),
-        ReadError::BadHeader { .. } => ("bad-header", "is it that format? correct the header, or export it again"),
-        ReadError::Syntax { .. } => ("syntax", "is it that format? correct that line, or export it again"),
-        ReadError::Unsupported { .. } => ("unsupported", "export the mesh without it, for example as obj"),
-        ReadError::Json { .. } => ("bad-json", EXPORT_AGAIN),
+        ReadError::TooFewCorners { .. } => (FailureKind::TooFewCorners, "remove these faces: a face needs 3 corners"),
+        ReadError::BadListLength { .. } => (FailureKind::BadListLength, EXPORT_AGAIN),
+        ReadError::Truncated { .. } => (FailureKind::Truncated, EXPORT_AGAIN),
+        ReadError::UnexpectedEnd { .. } => (FailureKind::UnexpectedEnd, EXPORT_AGAIN),
+        ReadError::BadHeader { .. } => {
+            (FailureKind::BadHeader, "is it that format? correct the header, or export it again")
+        }
+        ReadError::Syntax { .. } => (FailureKind::Syntax, "is it that format? correct that line, or export it again"),
+        ReadError::Unsupported { .. } => (FailureKind::Unsupported, "export the mesh without it, for example as obj"),
+        ReadError::Json { .. } => (FailureKind::BadJson, EXPORT_AGAIN),
         ReadError::Document { .. } => {
-            ("bad-document", "correct that place, or export the model again with a newer program")
+            (FailureKind::BadDocument, "correct that place, or export the model again with a newer program")
         }
-        ReadError::Buffer { .. } => ("missing-buffer", "put it where the document says: names count from its folder"),
-        ReadError::Compressed { .. } => ("compressed", "save the model again without compression of the geometry"),
-        ReadError::ClaimTooLarge { .. } => ("claim-too-large", EXPORT_AGAIN),
-        ReadError::TooLarge { .. } => ("too-large", "split the mesh, or make it coarser"),
-        _ => ("unreadable", EXPORT_AGAIN),
+        ReadError::Buffer { .. } => {
+            (FailureKind::MissingBuffer, "put it where the document says: names count from its folder")
+        }
+        ReadError::Compressed { .. } => {
+            (FailureKind::Compressed, "save the model again without compression of the geometry")
+        }
+        ReadError::ClaimTooLarge { .. } => (FailureKind::ClaimTooLarge, EXPORT_AGAIN),
+        ReadError::TooLarge { .. } => (FailureKind::TooLarge, "split the mesh, or make it coarser"),
+        _ => (FailureKind::Unreadable, EXPORT_AGAIN),
     }
 }
 
 /// For files that cannot be opened.
 pub(crate) fn cannot_open(cause: &io::Error) -> Hint {
     match cause.kind() {
-        io::ErrorKind::NotFound => ("not-found", "check the name and the folder"),
+        io::ErrorKind::NotFound => (FailureKind::NotFound, "check the name and the folder"),
         io::ErrorKind::IsADirectory => (
-            "directory",
+            FailureKind::Directory,
             "name the files in it; survey DIR flattens all that is below it, compare DIR with several solvers",
         ),
-        io::ErrorKind::PermissionDenied => ("no-permission", "ask for permission to read it"),
-        io::ErrorKind::OutOfMemory => ("out-of-memory", "use a smaller mesh or a larger machine"),
-        _ => ("cannot-open", "check the name and whether the disk is there"),
+        io::ErrorKind::PermissionDenied => (FailureKind::NoPermission, "ask for permission to read it"),
+        io::ErrorKind::OutOfMemory => (FailureKind::OutOfMemory, "use a smaller mesh or a larger machine"),
+        _ => (FailureKind::CannotOpen, "check the name and whether the disk is there"),
     }
 }
 
@@ -94,26 +103,33 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Topology(error) => topology(error),
         FlattenError::NotADisk(error) | FlattenError::Problem(ProblemError::NotADisk(error)) => disk(error),
         FlattenError::Problem(ProblemError::Setting(_))
-        | FlattenError::Solve { source: SolveError::Setting(_), .. } => ("setting", "change that option"),
-        FlattenError::Problem(ProblemError::Angle { .. }) => {
-            ("degenerate-angle", "remove or improve the triangles without area, for example by merging vertices")
-        }
-        FlattenError::Problem(_) => ("internal", REPORT),
+        | FlattenError::Solve { source: SolveError::Setting(_), .. } => (FailureKind::Setting, "change that option"),
+        FlattenError::Problem(ProblemError::Angle { .. }) => (
+            FailureKind::DegenerateAngle,
+            "remove or improve the triangles without area, for example by merging vertices",
+        ),
+        FlattenError::Problem(_) => (FailureKind::Internal, REPORT),
         FlattenError::Solve { source: SolveError::Linear(error), .. } => linear(error),
-        FlattenError::Solve { .. } => ("no-angles", "try --solver lscm, which needs no angles"),
+        FlattenError::Solve { .. } => (FailureKind::NoAngles, "try --solver lscm, which needs no angles"),
         FlattenError::Layout(LayoutError::Linear { source, .. }) => linear(source),
-        FlattenError::Layout(LayoutError::NotFinite { .. }) => ("layout-overflow", "try --layout least-squares"),
-        FlattenError::Layout(LayoutError::NoBoundary) => ("closed", CHARTS),
-        FlattenError::Layout(_) => ("no-layout", "try another --layout"),
-        FlattenError::LscmLayout(_) => ("setting", "take --layout least-squares or least-squares-weighted"),
-        FlattenError::Certificate(error) => metrics(error),
-        FlattenError::Memory { leaner: Some(_), .. } => (MEMORY, "try that solver, or a larger --max-memory"),
-        FlattenError::Memory { .. } => (MEMORY, MORE_MEMORY),
-        FlattenError::Descent(EmbedError::Interrupted(Termination::TimeLimit)) => ("time", "use a longer --time-limit"),
-        FlattenError::Cancelled(_) | FlattenError::Descent(EmbedError::Interrupted(_)) => {
-            ("cancelled", "start it again to have it flattened")
+        FlattenError::Layout(LayoutError::NotFinite { .. }) => {
+            (FailureKind::LayoutOverflow, "try --layout least-squares")
         }
-        _ => ("not-flattened", "try --solver lscm"),
+        FlattenError::Layout(LayoutError::NoBoundary) => (FailureKind::Closed, CHARTS),
+        FlattenError::Layout(_) => (FailureKind::NoLayout, "try another --layout"),
+        FlattenError::LscmLayout(_) => (FailureKind::Setting, "take --layout least-squares or least-squares-weighted"),
+        FlattenError::Certificate(error) => metrics(error),
+        FlattenError::Memory { leaner: Some(_), .. } => {
+            (FailureKind::Memory, "try that solver, or a larger --max-memory")
+        }
+        FlattenError::Memory { .. } => (FailureKind::Memory, MORE_MEMORY),
+        FlattenError::Descent(EmbedError::Interrupted(Termination::TimeLimit)) => {
+            (FailureKind::Time, "use a longer --time-limit")
+        }
+        FlattenError::Cancelled(_) | FlattenError::Descent(EmbedError::Interrupted(_)) => {
+            (FailureKind::Cancelled, "start it again to have it flattened")
+        }
+        _ => (FailureKind::NotFlattened, "try --solver lscm"),
     }
 }
 
@@ -121,105 +137,124 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
 pub(crate) fn unwrap(error: &UnwrapError) -> Hint {
     match error {
         UnwrapError::Repair(RepairError::NoFaces { .. }) => {
-            ("no-faces", "a point cloud or a curve has no surface: export a mesh with faces")
+            (FailureKind::NoFaces, "a point cloud or a curve has no surface: export a mesh with faces")
         }
-        UnwrapError::Repair(_) => ("beyond-repair", "repair the mesh in a modelling program"),
-        UnwrapError::NotClean { .. } => ("not-clean", "leave out --strict to have it repaired"),
-        UnwrapError::Setting(_) => ("setting", "change that option"),
+        UnwrapError::Repair(_) => (FailureKind::BeyondRepair, "repair the mesh in a modelling program"),
+        UnwrapError::NotClean { .. } => (FailureKind::NotClean, "leave out --strict to have it repaired"),
+        UnwrapError::Setting(_) => (FailureKind::Setting, "change that option"),
         UnwrapError::Chart { source, .. } | UnwrapError::Flatten(source) => flatten(source),
-        _ => ("internal", REPORT),
+        _ => (FailureKind::Internal, REPORT),
     }
 }
 
 /// For charts that cannot be packed.
 pub(crate) fn atlas(error: &AtlasError) -> Hint {
     match error {
-        AtlasError::Setting(_) => ("setting", "change that option"),
-        AtlasError::Labels { .. } => ("no-materials", "this file has no materials: take --atlas one or per-component"),
-        AtlasError::TooManyCharts { .. } => ("too-many-charts", "use a larger --resolution or a smaller --margin"),
-        AtlasError::Pack(_) => ("no-room", "use a lower --texels-per-unit, more --max-pages or a larger --resolution"),
+        AtlasError::Setting(_) => (FailureKind::Setting, "change that option"),
+        AtlasError::Labels { .. } => {
+            (FailureKind::NoMaterials, "this file has no materials: take --atlas one or per-component")
+        }
+        AtlasError::TooManyCharts { .. } => {
+            (FailureKind::TooManyCharts, "use a larger --resolution or a smaller --margin")
+        }
+        AtlasError::Pack(_) => {
+            (FailureKind::NoRoom, "use a lower --texels-per-unit, more --max-pages or a larger --resolution")
+        }
         AtlasError::Metrics(error) => metrics(error),
-        _ => ("internal", REPORT),
+        _ => (FailureKind::Internal, REPORT),
     }
 }
 
 fn geometry(error: &GeometryError) -> Hint {
     match error {
         GeometryError::NotFinite { .. } => {
-            ("not-finite", "correct or remove these vertices: NaN and infinity have no place")
+            (FailureKind::NotFinite, "correct or remove these vertices: NaN and infinity have no place")
         }
         GeometryError::ZeroArea { .. } => (
-            "zero-area",
+            FailureKind::ZeroArea,
             "remove these faces, or merge vertices that lie on each other (in Blender: Merge by Distance)",
         ),
-        GeometryError::IndexOutOfRange { .. } => ("index-out-of-range", "correct or remove that face"),
-        _ => ("geometry", "repair the mesh in a modelling program"),
+        GeometryError::IndexOutOfRange { .. } => (FailureKind::IndexOutOfRange, "correct or remove that face"),
+        _ => (FailureKind::Geometry, "repair the mesh in a modelling program"),
     }
 }
 
 fn topology(error: &TopologyError) -> Hint {
     match error {
-        TopologyError::Empty => ("no-faces", "a point cloud or a curve has no surface: export a mesh with faces"),
-        TopologyError::TooLarge { .. } => ("too-large", "split the mesh, or make it coarser"),
-        TopologyError::RepeatedVertex { .. } => ("repeated-vertex", "remove these faces: they have no area"),
-        TopologyError::NonManifoldEdge { .. } => ("non-manifold-edge", MERGE),
-        TopologyError::InconsistentOrientation { .. } => {
-            ("inconsistent-orientation", "turn some faces around (in Blender: Mesh > Normals > Recalculate Outside)")
+        TopologyError::Empty => {
+            (FailureKind::NoFaces, "a point cloud or a curve has no surface: export a mesh with faces")
         }
-        TopologyError::NonOrientable { .. } => ("non-orientable", "cut it across, so that it has two sides"),
+        TopologyError::TooLarge { .. } => (FailureKind::TooLarge, "split the mesh, or make it coarser"),
+        TopologyError::RepeatedVertex { .. } => (FailureKind::RepeatedVertex, "remove these faces: they have no area"),
+        TopologyError::NonManifoldEdge { .. } => (FailureKind::NonManifoldEdge, MERGE),
+        TopologyError::InconsistentOrientation { .. } => (
+            FailureKind::InconsistentOrientation,
+            "turn some faces around (in Blender: Mesh > Normals > Recalculate Outside)",
+        ),
+        TopologyError::NonOrientable { .. } => (FailureKind::NonOrientable, "cut it across, so that it has two sides"),
         TopologyError::NonManifoldVertex { .. } => {
-            ("non-manifold-vertex", "give every fan its own copy of the vertex, or close the gap between them")
+            (FailureKind::NonManifoldVertex, "give every fan its own copy of the vertex, or close the gap between them")
         }
-        _ => ("topology", "repair the mesh in a modelling program"),
+        _ => (FailureKind::Topology, "repair the mesh in a modelling program"),
     }
 }
 
 fn disk(error: &DiskError) -> Hint {
     match error {
-        DiskError::SeveralComponents { .. } => ("several-components", CHARTS),
-        DiskError::NoBoundary { genus: 0 } => ("closed", CHARTS),
-        DiskError::NoBoundary { .. } => ("closed", CHARTS),
-        DiskError::SeveralBoundaries { .. } => ("several-boundaries", CHARTS),
-        DiskError::Handles { .. } => ("handles", CHARTS),
-        _ => ("not-a-disk", "cut it into disks first"),
+        DiskError::SeveralComponents { .. } => (FailureKind::SeveralComponents, CHARTS),
+        DiskError::NoBoundary { genus: 0 } => (FailureKind::Closed, CHARTS),
+        DiskError::NoBoundary { .. } => (FailureKind::Closed, CHARTS),
+        DiskError::SeveralBoundaries { .. } => (FailureKind::SeveralBoundaries, CHARTS),
+        DiskError::Handles { .. } => (FailureKind::Handles, CHARTS),
+        _ => (FailureKind::NotADisk, "cut it into disks first"),
     }
 }
 
 fn linear(error: &LinearError) -> Hint {
     match error {
         LinearError::TooLarge { .. } | LinearError::OutOfMemory { .. } => {
-            ("out-of-memory", "use a coarser mesh or a larger machine")
+            (FailureKind::OutOfMemory, "use a coarser mesh or a larger machine")
         }
-        _ => ("linear-solve", "improve the thinnest triangles, or try --angle-bound 0.01 or another --layout"),
+        _ => {
+            (FailureKind::LinearSolve, "improve the thinnest triangles, or try --angle-bound 0.01 or another --layout")
+        }
     }
 }
 
 /// For UVs that cannot be judged.
 pub(crate) fn metrics(error: &MetricsError) -> Hint {
     match error {
-        MetricsError::NoFaces => ("no-faces", "a point cloud or a curve has no surface: export a mesh with faces"),
-        MetricsError::CornerCount { .. } => ("internal", REPORT),
-        MetricsError::UvNotFinite { .. } => ("uv-not-finite", "make these UVs anew: NaN and infinity have no place"),
-        MetricsError::PositionNotFinite { .. } => {
-            ("not-finite", "correct or remove these vertices: NaN and infinity have no place")
+        MetricsError::NoFaces => {
+            (FailureKind::NoFaces, "a point cloud or a curve has no surface: export a mesh with faces")
         }
-        MetricsError::NoArea { .. } => ("no-area", "is it the right mesh? all of its faces are lines"),
-        _ => ("not-judged", "repair the mesh in a modelling program"),
+        MetricsError::CornerCount { .. } => (FailureKind::Internal, REPORT),
+        MetricsError::UvNotFinite { .. } => {
+            (FailureKind::UvNotFinite, "make these UVs anew: NaN and infinity have no place")
+        }
+        MetricsError::PositionNotFinite { .. } => {
+            (FailureKind::NotFinite, "correct or remove these vertices: NaN and infinity have no place")
+        }
+        MetricsError::NoArea { .. } => (FailureKind::NoArea, "is it the right mesh? all of its faces are lines"),
+        _ => (FailureKind::NotJudged, "repair the mesh in a modelling program"),
     }
 }
 
 /// For meshes that cannot be written.
 pub(crate) fn write(error: &WriteError) -> Hint {
     match error {
-        WriteError::Io { .. } => ("unwritable", ELSEWHERE),
-        WriteError::UnknownExtension { .. } => ("unknown-extension", "end the name in .obj, .ply, .glb or .gltf"),
-        WriteError::NotFinite { .. } => ("not-finite", "correct or remove these: NaN and infinity have no place"),
+        WriteError::Io { .. } => (FailureKind::Unwritable, ELSEWHERE),
+        WriteError::UnknownExtension { .. } => {
+            (FailureKind::UnknownExtension, "end the name in .obj, .ply, .glb or .gltf")
+        }
+        WriteError::NotFinite { .. } => {
+            (FailureKind::NotFinite, "correct or remove these: NaN and infinity have no place")
+        }
         WriteError::Document(error) => read(error),
-        WriteError::TexcoordTaken { .. } => ("texcoord-taken", "choose a free set, or overwrite that one"),
-        WriteError::TexcoordGap { .. } => ("texcoord-gap", "choose the next free set"),
-        WriteError::TooLarge { .. } => ("too-large", "write a .gltf instead of a .glb, or split the model"),
-        WriteError::Unreachable { .. } => ("unreachable", "write to the folder of the original"),
-        _ => ("internal", REPORT),
+        WriteError::TexcoordTaken { .. } => (FailureKind::TexcoordTaken, "choose a free set, or overwrite that one"),
+        WriteError::TexcoordGap { .. } => (FailureKind::TexcoordGap, "choose the next free set"),
+        WriteError::TooLarge { .. } => (FailureKind::TooLarge, "write a .gltf instead of a .glb, or split the model"),
+        WriteError::Unreachable { .. } => (FailureKind::Unreachable, "write to the folder of the original"),
+        _ => (FailureKind::Internal, REPORT),
     }
 }
 

@@ -1,33 +1,38 @@
 //! Every outer and inner iteration, for plotting.
 
+use super::figure::{self, known};
+use super::head::Head;
 use super::json::pretty;
 use abf::{Fallback, IterationRecord};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The name of the JSON's format; the number goes up when a field changes its meaning.
-const SCHEMA: &str = "bench-harness-history/1";
+const SCHEMA: &str = "bench-harness-history/2";
 
 /// How one solver came to its angles.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct History {
     /// The file.
     pub(crate) mesh: String,
     /// The solver's name.
-    pub(crate) solver: &'static str,
+    pub(crate) solver: String,
     /// Outer iterations or passes, in order.
     pub(crate) iterations: Vec<Iteration>,
 }
 
 /// One outer iteration.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Iteration {
     /// Counted from 1.
     iteration: usize,
     /// `max |h|` after it, log form, rad.
+    #[serde(with = "figure")]
     constraint_residual: f64,
     /// `max |δ|` of the full step, rad.
+    #[serde(with = "figure")]
     step: f64,
     /// The share of it that was taken.
+    #[serde(with = "figure")]
     step_length: f64,
     /// `Σ w (x − a)²` after it; `None` where the target moves.
     energy: Option<f64>,
@@ -42,7 +47,7 @@ pub(crate) struct Iteration {
     /// Negative entries of the Hessian.
     negative_curvature: usize,
     /// Why the exact Hessian was given up, if it was.
-    fallback: Option<&'static str>,
+    fallback: Option<String>,
     /// Angles moved to the angle bounds before it.
     moved_angles: usize,
     /// The estimate after each inner iteration; empty for a direct solve.
@@ -52,7 +57,7 @@ pub(crate) struct Iteration {
 impl History {
     /// The history of a solve; `curves` are the estimates after each inner iteration, for every outer
     /// one.
-    pub(crate) fn new(mesh: &str, solver: &'static str, records: &[IterationRecord], curves: Vec<Vec<f64>>) -> Self {
+    pub(crate) fn new(mesh: &str, solver: String, records: &[IterationRecord], curves: Vec<Vec<f64>>) -> Self {
         let curves = curves.into_iter().chain(std::iter::repeat(Vec::new()));
         let iterations = records.iter().zip(curves).map(|(record, inner)| Iteration::new(record, inner)).collect();
         Self { mesh: mesh.to_owned(), solver, iterations }
@@ -73,16 +78,16 @@ impl Iteration {
     fn new(record: &IterationRecord, inner: Vec<f64>) -> Self {
         Self {
             iteration: record.iteration,
-            constraint_residual: record.constraint_residual,
-            step: record.step,
-            step_length: record.step_length,
-            energy: record.energy,
+            constraint_residual: known(record.constraint_residual),
+            step: known(record.step),
+            step_length: known(record.step_length),
+            energy: record.energy.filter(|x| x.is_finite()),
             inner_iterations: record.inner_iterations,
-            inner_residual: record.solved_to(),
-            inner_estimate: record.inner_estimate,
+            inner_residual: record.solved_to().filter(|x| x.is_finite()),
+            inner_estimate: record.inner_estimate.filter(|x| x.is_finite()),
             inner_converged: record.inner_converged,
             negative_curvature: record.negative_curvature,
-            fallback: record.fallback.map(fallback_word),
+            fallback: record.fallback.map(|why| fallback_word(why).to_owned()),
             moved_angles: record.moved_angles,
             inner,
         }
@@ -107,7 +112,7 @@ pub(crate) struct Curves {
 impl Curves {
     /// An inner iteration is done. Direct solves have no estimate, and no curve.
     pub(crate) fn inner(&mut self, estimate: f64) {
-        if !estimate.is_nan() {
+        if estimate.is_finite() {
             self.current.push(estimate);
         }
     }
@@ -125,10 +130,15 @@ impl Curves {
 
 /// The histories as a JSON document.
 pub(crate) fn to_json(runs: &[History]) -> String {
-    #[derive(Serialize)]
-    struct Document<'a> {
-        schema: &'static str,
-        runs: &'a [History],
-    }
-    pretty(&Document { schema: SCHEMA, runs })
+    pretty(&Histories { head: Head::new(SCHEMA), runs: runs.to_vec() })
+}
+
+/// Every iteration of several solves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Histories {
+    /// What made it.
+    #[serde(flatten)]
+    pub(crate) head: Head,
+    /// One for each solve.
+    pub(crate) runs: Vec<History>,
 }

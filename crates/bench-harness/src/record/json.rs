@@ -1,19 +1,26 @@
 //! Records as JSON documents.
 
+use super::head::Head;
 use super::result::Record;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// The name of the JSON's format; the number goes up when a field changes its meaning.
-pub(crate) const SCHEMA: &str = "bench-harness/1";
+pub(crate) const SCHEMA: &str = "bench-harness/2";
+
+/// The document of every command but `survey`, which has more to say.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Document {
+    /// What made it.
+    #[serde(flatten)]
+    pub(crate) head: Head,
+    /// The results, in order.
+    pub(crate) results: Vec<Record>,
+}
 
 /// The records as a JSON document.
 pub(crate) fn to_json(records: &[Record]) -> String {
-    #[derive(Serialize)]
-    struct Document<'a> {
-        schema: &'static str,
-        results: &'a [Record],
-    }
-    pretty(&Document { schema: SCHEMA, results: records })
+    pretty(&Document { head: Head::new(SCHEMA), results: records.to_vec() })
 }
 
 /// Any document as JSON, with a line end.
@@ -21,4 +28,15 @@ pub(crate) fn pretty(document: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(document).expect("documents have text keys only");
     text.push('\n');
     text
+}
+
+/// The fields of a part of a record with their values as text, in their order. Fields without a value are left out.
+pub(crate) fn fields(part: &impl Serialize) -> Vec<(String, String)> {
+    let Ok(Value::Object(fields)) = serde_json::to_value(part) else { return Vec::new() };
+    let shown = |(name, value): (String, Value)| match value {
+        Value::Null => None,
+        Value::String(text) => Some((name, text)),
+        other => Some((name, other.to_string())),
+    };
+    fields.into_iter().filter_map(shown).collect()
 }

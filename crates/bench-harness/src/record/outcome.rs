@@ -1,5 +1,7 @@
 //! How it went.
 
+use super::kind::FailureKind;
+
 /// How it went, from good to bad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Outcome {
@@ -23,7 +25,7 @@ impl Outcome {
 }
 
 /// One word, or two, on a result of which this is known.
-pub(crate) fn result_word(error: Option<&str>, termination: Option<&str>, valid: bool) -> String {
+pub(crate) fn result_word(error: Option<FailureKind>, termination: Option<&str>, valid: bool) -> String {
     match (error, termination, valid) {
         (Some(kind), ..) => format!("error: {kind}"),
         (None, Some(word), true) => word.to_owned(),

@@ -1,80 +1,128 @@
-//! How good UVs are, as it is in the JSON.
+//! How good UVs are.
 
-use abf::Metrics;
-use abf_mesh::FaceId;
-use serde::{Serialize, Serializer};
+use super::figure::{self, known};
+use super::text;
+use abf::{Metrics, Precision};
+use abf_mesh::{FaceId, VertexId};
+use serde::{Deserialize, Serialize};
 
-/// The figures of [`Metrics`] that the program reports, under the same names.
-#[derive(Clone, Debug, Serialize)]
+/// The figures of [`Metrics`] that the program reports, under the same names. A figure that is not finite is infinite.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Quality {
-    /// No triangle flipped, none collapsed, no vertex wound around.
+    /// Locally injective: no triangle flipped, none collapsed, no vertex wound around.
     pub(crate) valid: bool,
     /// Valid, and no overlap.
     pub(crate) injective: bool,
-    #[serde(flatten)]
-    figures: Figures,
+    /// Triangles on the wrong side.
+    pub(crate) flips: usize,
+    /// Triangles whose corners lie on one line.
+    pub(crate) collapsed: usize,
+    /// Triangles that another rounding could turn over.
+    pub(crate) near_collapsed: usize,
+    /// Interior vertices that are wound around twice.
+    pub(crate) wound: usize,
+    /// Places of the boundary where the map overlaps itself: the sum of the next three.
+    pub(crate) overlaps: usize,
+    /// Pairs of boundary edges that cross.
+    pub(crate) crossings: usize,
+    /// Points where the boundary meets itself and two faces cover one direction.
+    pub(crate) meetings: usize,
+    /// Pieces of the boundary that lie under another part.
+    pub(crate) nested: usize,
+    /// Points where the boundary meets itself without an overlap.
+    pub(crate) touches: usize,
+    /// Triangles without area on the surface, which are not in the figures.
+    pub(crate) degenerate_3d: usize,
+    /// Connected components of the UVs.
+    pub(crate) charts: usize,
+    /// `F / 3nt`, rad².
+    #[serde(with = "figure")]
+    pub(crate) f: f64,
+    /// The relative angle error.
+    #[serde(with = "figure")]
+    pub(crate) f_weighted: f64,
+    /// The largest error of an angle, rad.
+    #[serde(with = "figure")]
+    pub(crate) max_angle_error: f64,
+    /// L² stretch.
+    #[serde(with = "figure")]
+    pub(crate) stretch_l2: f64,
+    /// L∞ stretch.
+    #[serde(with = "figure")]
+    pub(crate) stretch_linf: f64,
+    /// Mean of the quasi-conformal distortion.
+    #[serde(with = "figure")]
+    pub(crate) qc_mean: f64,
+    /// The largest.
+    #[serde(with = "figure")]
+    pub(crate) qc_max: f64,
+    /// L² of the logarithm of the area distortion.
+    #[serde(with = "figure")]
+    pub(crate) area_l2: f64,
+    /// The area of the UVs.
+    #[serde(with = "figure")]
+    pub(crate) uv_area: f64,
+    /// The area of the surface.
+    #[serde(with = "figure")]
+    pub(crate) surface_area: f64,
+    /// How deep the boundary reaches into itself where it touches within rounding, UV units.
+    #[serde(with = "figure")]
+    pub(crate) touch_depth: f64,
+    /// The least angle of the UVs, rad.
+    #[serde(with = "figure")]
+    pub(crate) uv_angle_min: f64,
+    /// The greatest, rad.
+    #[serde(with = "figure")]
+    pub(crate) uv_angle_max: f64,
+    /// The first flipped triangles, counted from 0.
+    pub(crate) flipped_faces: Vec<usize>,
+    /// The first collapsed triangles.
+    pub(crate) collapsed_faces: Vec<usize>,
+    /// The first vertices that are wound around.
+    pub(crate) wound_vertices: Vec<usize>,
+    /// Pairs of triangles that lie over each other, those of the first overlaps.
+    pub(crate) overlapping_faces: Vec<[usize; 2]>,
+    /// What the coordinates are stored in.
+    #[serde(with = "text")]
+    pub(crate) uv_precision: Precision,
 }
 
 impl Quality {
     /// The judgement of the UVs.
-    pub(crate) fn new(metrics: Metrics) -> Self {
-        Self { valid: metrics.valid(), injective: metrics.injective(), figures: Figures(metrics) }
-    }
-
-    /// The figures.
-    pub(crate) fn metrics(&self) -> &Metrics {
-        &self.figures.0
-    }
-}
-
-/// [`Metrics`] without the number of triangles, which a record has anyway.
-#[derive(Clone, Debug)]
-struct Figures(Metrics);
-
-impl Serialize for Figures {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        use serde::ser::SerializeMap;
-        let m = &self.0;
-        let indices = |faces: &[FaceId]| faces.iter().map(|face| face.index()).collect::<Vec<_>>();
-        let mut map = serializer.serialize_map(None)?;
-        for (name, count) in [
-            ("flips", m.flips),
-            ("collapsed", m.collapsed),
-            ("near_collapsed", m.near_collapsed),
-            ("wound", m.wound),
-            ("overlaps", m.overlaps()),
-            ("crossings", m.crossings),
-            ("meetings", m.meetings),
-            ("nested", m.nested),
-            ("touches", m.touches),
-            ("degenerate_3d", m.degenerate_3d),
-            ("charts", m.charts),
-        ] {
-            map.serialize_entry(name, &count)?;
+    pub(crate) fn new(m: &Metrics) -> Self {
+        let faces = |faces: &[FaceId]| faces.iter().map(|face| face.index()).collect();
+        Self {
+            valid: m.valid(),
+            injective: m.injective(),
+            flips: m.flips,
+            collapsed: m.collapsed,
+            near_collapsed: m.near_collapsed,
+            wound: m.wound,
+            overlaps: m.overlaps(),
+            crossings: m.crossings,
+            meetings: m.meetings,
+            nested: m.nested,
+            touches: m.touches,
+            degenerate_3d: m.degenerate_3d,
+            charts: m.charts,
+            f: known(m.f),
+            f_weighted: known(m.f_weighted),
+            max_angle_error: known(m.max_angle_error),
+            stretch_l2: known(m.stretch_l2),
+            stretch_linf: known(m.stretch_linf),
+            qc_mean: known(m.qc_mean),
+            qc_max: known(m.qc_max),
+            area_l2: known(m.area_l2),
+            uv_area: known(m.uv_area),
+            surface_area: known(m.surface_area),
+            touch_depth: known(m.touch_depth),
+            uv_angle_min: known(m.uv_angle_min),
+            uv_angle_max: known(m.uv_angle_max),
+            flipped_faces: faces(&m.flipped_faces),
+            collapsed_faces: faces(&m.collapsed_faces),
+            wound_vertices: m.wound_vertices.iter().copied().map(VertexId::index).collect(),
+            overlapping_faces: m.overlapping_faces.iter().map(|pair| pair.map(FaceId::index)).collect(),
+            uv_precision: m.precision,
         }
-        for (name, figure) in [
-            ("f", m.f),
-            ("f_weighted", m.f_weighted),
-            ("max_angle_error", m.max_angle_error),
-            ("stretch_l2", m.stretch_l2),
-            ("stretch_linf", m.stretch_linf),
-            ("qc_mean", m.qc_mean),
-            ("qc_max", m.qc_max),
-            ("area_l2", m.area_l2),
-            ("uv_area", m.uv_area),
-            ("surface_area", m.surface_area),
-            ("touch_depth", m.touch_depth),
-            ("uv_angle_min", m.uv_angle_min),
-            ("uv_angle_max", m.uv_angle_max),
-        ] {
-            map.serialize_entry(name, &figure)?;
-        }
-        map.serialize_entry("flipped_faces", &indices(&m.flipped_faces))?;
-        map.serialize_entry("collapsed_faces", &indices(&m.collapsed_faces))?;
-        map.serialize_entry("wound_vertices", &m.wound_vertices.iter().map(|v| v.index()).collect::<Vec<_>>())?;
-        let pairs: Vec<[usize; 2]> = m.overlapping_faces.iter().map(|pair| pair.map(FaceId::index)).collect();
-        map.serialize_entry("overlapping_faces", &pairs)?;
-        map.serialize_entry("uv_precision", m.precision.name())?;
-        map.end()
     }
 }

@@ -9,13 +9,13 @@ use super::quality::Quality;
 use super::run::Run;
 use super::size::{Kkt, Size};
 use super::times::{Repeats, Timings};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Everything there is to say about one mesh and one solver.
 ///
 /// Parts that do not apply are absent from the JSON: a judged file has no solver, a mesh that
 /// failed has what was known before. Numbers that are not finite are `null`.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Record {
     /// The file.
     pub(crate) mesh: String,
@@ -23,57 +23,48 @@ pub(crate) struct Record {
     #[serde(flatten)]
     pub(crate) size: Option<Size>,
     /// The solver's name; none where no solver is to blame.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) solver: Option<&'static str>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) solver: Option<String>,
     /// What the solver and the layout did.
     #[serde(flatten)]
     pub(crate) run: Option<Run>,
     /// The charts, where the mesh was cut into some.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) atlas: Option<Atlas>,
     /// How valid and how distorted the UVs are.
     #[serde(flatten)]
     pub(crate) quality: Option<Quality>,
     /// How large the KKT matrix is in either wheel form.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) kkt: Option<Kkt>,
     /// What reading did beyond copying.
     pub(crate) notes: Vec<String>,
     /// What to try next.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) hint: Option<String>,
-    /// What is said of overlaps; the figures are in the JSON anyway.
-    #[serde(skip)]
-    pub(crate) overlap: Option<String>,
-    /// What is said of the rungs of `auto`, likewise.
-    #[serde(skip)]
-    pub(crate) climb: Option<String>,
-    /// What is said of the precision of doubles, likewise.
-    #[serde(skip)]
-    pub(crate) precision: Option<String>,
     /// Where the time went.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) timings_s: Option<Timings>,
     /// How far the times of several runs are apart.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) repeats: Option<Repeats>,
     /// See [`crate::run::memory`].
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) peak_memory_bytes: Option<usize>,
     /// What was expected of it, see [`abf::predict_memory`].
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) predicted_memory_bytes: Option<u64>,
     /// What changed since an earlier comparison.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) baseline: Option<Change>,
     /// The files that were written.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) written: Vec<String>,
     /// Why the solver was left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) not_run: Option<NotRun>,
     /// Why there is no result, or why it is not written.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) error: Option<Failure>,
 }
 

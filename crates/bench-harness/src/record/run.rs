@@ -1,29 +1,29 @@
 //! What the solver and the layout did.
 
+use super::figure::{self, known};
 use super::settings::Asked;
-use super::text::{as_optional_text, as_text};
+use super::text;
 use crate::record::failure::chain;
 use abf::{
     AngleSolution, Flattening, Hessian, IterationRecord, LayoutKind, Pipeline, RungReport, SolverKind, Termination,
     WheelForm,
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What was asked of the solver and the layout, and what they did.
 ///
 /// `None` where no angles are solved for, if nothing else is said.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Run {
     /// What it was asked.
     pub(crate) settings: Asked,
     /// Whose result it is: with `auto` the solver it came to.
-    #[serde(serialize_with = "as_text")]
-    pub(crate) solved_by: SolverKind,
+    pub(crate) solved_by: String,
     /// What `auto` tried, in order.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) rungs: Vec<Rung>,
     /// How it ended.
-    #[serde(serialize_with = "as_text")]
+    #[serde(with = "text::ending")]
     pub(crate) termination: Termination,
     /// `max |h|` of its angles, log form, rad.
     pub(crate) constraint_residual: Option<f64>,
@@ -55,7 +55,7 @@ pub(crate) struct Run {
     /// Triangles without a shape, solved for as thin ones.
     pub(crate) shapeless_faces: usize,
     /// The layout that was used; never `auto`. `None` for the descent, whose unknowns are the UVs.
-    #[serde(serialize_with = "as_optional_text")]
+    #[serde(with = "text::optional")]
     pub(crate) layout: Option<LayoutKind>,
     /// The largest disagreement between the two sides of an edge; `None` where nothing was
     /// integrated.
@@ -69,13 +69,12 @@ pub(crate) struct Run {
 }
 
 /// What one solver of the ladder came to.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Rung {
     /// Which solver.
-    #[serde(serialize_with = "as_text")]
-    pub(crate) solver: SolverKind,
+    pub(crate) solver: String,
     /// How it ended; `None` when it found nothing.
-    #[serde(serialize_with = "as_optional_text")]
+    #[serde(with = "text::ending::optional")]
     pub(crate) termination: Option<Termination>,
     /// Passes, iterations or steps.
     pub(crate) iterations: usize,
@@ -92,21 +91,21 @@ pub(crate) struct Rung {
     /// How long it took with its layout and its certificate, seconds.
     pub(crate) time_s: f64,
     /// Why it found nothing.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) error: Option<String>,
 }
 
 impl Rung {
     fn new(report: &RungReport, time_s: f64) -> Self {
         Self {
-            solver: report.solver,
+            solver: report.solver.to_string(),
             termination: report.termination,
             iterations: report.iterations,
             valid: report.valid,
             flips: report.flips,
             collapsed: report.collapsed,
             wound: report.wound,
-            f: report.f,
+            f: finite(report.f),
             time_s,
             error: report.error.as_ref().map(|error| chain(error)),
         }
@@ -114,7 +113,7 @@ impl Rung {
 }
 
 /// Why double precision is what UVs suffer from: see [`abf::PrecisionLimits`].
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Limits {
     /// Triangles that another rounding could turn over.
     pub(crate) near_collapsed: usize,
@@ -125,6 +124,7 @@ pub(crate) struct Limits {
     /// The first of them.
     pub(crate) first_held_faces: Vec<usize>,
     /// How much more lengths shrink in one place than in another.
+    #[serde(with = "figure")]
     pub(crate) spread: f64,
 }
 
@@ -140,17 +140,17 @@ impl Run {
         let is_diagonal = (settings.wheel, settings.hessian) != (Some(WheelForm::Product), Some(Hessian::Exact));
         Self {
             settings,
-            solved_by: flat.solver,
+            solved_by: flat.solver.to_string(),
             rungs: flat.rungs.iter().zip(seconds).map(|(rung, time_s)| Rung::new(rung, time_s)).collect(),
             termination: flat.termination,
-            constraint_residual: solution.map(AngleSolution::constraint_residual),
+            constraint_residual: finite(solution.map(AngleSolution::constraint_residual)),
             angles_out_of_range: solution.map(AngleSolution::angles_out_of_range),
-            energy: solution.filter(|_| has_a_fixed_target).map(AngleSolution::energy),
+            energy: finite(solution.filter(|_| has_a_fixed_target).map(AngleSolution::energy)),
             iterations: solution.map_or(0, AngleSolution::iterations),
             inner_iterations: solution.map_or(0, AngleSolution::inner_iterations),
-            inner_residual: last.and_then(IterationRecord::solved_to),
-            inner_residual_worst: history.iter().filter_map(IterationRecord::solved_to).reduce(worse),
-            inner_estimate: last.and_then(|record| record.inner_estimate),
+            inner_residual: finite(last.and_then(IterationRecord::solved_to)),
+            inner_residual_worst: finite(history.iter().filter_map(IterationRecord::solved_to).reduce(worse)),
+            inner_estimate: finite(last.and_then(|record| record.inner_estimate)),
             inner_unconverged: history.iter().filter(|record: &&IterationRecord| !record.inner_converged).count(),
             negative_curvature: solution.filter(|_| is_diagonal).map(AngleSolution::negative_curvature),
             fallbacks: solution.map(AngleSolution::fallbacks),
@@ -158,7 +158,7 @@ impl Run {
             switched_rings: flat.switched_rings,
             shapeless_faces: flat.shapeless_faces,
             layout: flat.layout.kind,
-            closing_error: flat.layout.closing_error,
+            closing_error: finite(flat.layout.closing_error),
             pinned: flat.layout.pinned,
             scaled: flat.layout.scaled,
             precision_limits: flat.precision_limits.as_ref().map(|limits| Limits {
@@ -166,7 +166,7 @@ impl Run {
                 near_collapsed_faces: limits.near_collapsed_faces.iter().map(|face| face.index()).collect(),
                 held_faces: limits.held_faces,
                 first_held_faces: limits.first_held_faces.iter().map(|face| face.index()).collect(),
-                spread: limits.spread,
+                spread: known(limits.spread),
             }),
         }
     }
@@ -175,4 +175,9 @@ impl Run {
 /// The larger of two, NaN being the largest.
 fn worse(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
+}
+
+/// What JSON can say of a number; one that is not finite says nothing.
+fn finite(x: Option<f64>) -> Option<f64> {
+    x.filter(|x| x.is_finite())
 }

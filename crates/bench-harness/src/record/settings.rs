@@ -1,41 +1,40 @@
 //! The settings of a run, as they are in the JSON.
 
 use super::accuracy::InnerAccuracy;
-use super::text::{as_optional_text, as_text};
-use abf::solve_core::InnerTolerance;
+use super::{number_or_text, text};
 use abf::{Hessian, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, WheelForm, ZeroArea};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 /// The settings. What does not concern the solver is `None`, but for those every run has.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Asked {
     /// A number or `"auto"`.
-    #[serde(serialize_with = "passes_as_number_or_text")]
+    #[serde(with = "number_or_text")]
     pub(crate) passes: Option<Passes>,
     /// The form of the wheel condition.
-    #[serde(serialize_with = "as_optional_text")]
+    #[serde(with = "text::optional")]
     pub(crate) wheel: Option<WheelForm>,
     /// The second derivatives.
-    #[serde(serialize_with = "as_optional_text")]
+    #[serde(with = "text::optional")]
     pub(crate) hessian: Option<Hessian>,
     /// How the length of a step is chosen.
-    #[serde(serialize_with = "as_optional_text")]
+    #[serde(with = "text::optional")]
     pub(crate) line_search: Option<LineSearch>,
     /// What the inner method iterates on.
-    #[serde(serialize_with = "as_optional_text")]
+    #[serde(with = "text::optional")]
     pub(crate) reduction: Option<Reduction>,
     /// Its preconditioner.
-    #[serde(serialize_with = "as_optional_text")]
+    #[serde(with = "text::optional")]
     pub(crate) preconditioner: Option<PreconditionerKind>,
     /// Its iterations in one outer iteration.
     pub(crate) max_inner_iterations: Option<usize>,
     /// Relative; a number or `"auto"`.
-    #[serde(serialize_with = "accuracy_as_number_or_text")]
+    #[serde(with = "number_or_text")]
     pub(crate) inner_tolerance: Option<InnerAccuracy>,
     /// The last weight of the descent's barrier, in units of energy per corner.
     pub(crate) barrier_floor: Option<f64>,
     /// Which layout; `auto` where the program may choose.
-    #[serde(serialize_with = "as_text")]
+    #[serde(with = "text")]
     pub(crate) layout: LayoutKind,
     /// Radians; `None` for off.
     pub(crate) ring_switch: Option<f64>,
@@ -48,15 +47,12 @@ pub(crate) struct Asked {
     /// Seconds; `None` for no limit.
     pub(crate) time_limit_s: Option<f64>,
     /// What becomes of faces without area.
-    #[serde(serialize_with = "as_text")]
+    #[serde(with = "text")]
     pub(crate) zero_area: ZeroArea,
     /// Whether the UVs are scaled into the unit square.
     pub(crate) normalize: bool,
     /// Threads in use.
     pub(crate) threads: usize,
-    /// Whether these settings keep angles to constraints: not in the JSON, where the solver's name says it.
-    #[serde(skip)]
-    pub(crate) keeps_constraints: bool,
 }
 
 impl Asked {
@@ -83,24 +79,6 @@ impl Asked {
             zero_area: pipeline.zero_area,
             normalize: pipeline.normalize,
             threads: rayon::current_num_threads(),
-            keeps_constraints: solver.kind().keeps_constraints(),
         }
-    }
-}
-
-fn passes_as_number_or_text<S: Serializer>(passes: &Option<Passes>, serializer: S) -> Result<S::Ok, S::Error> {
-    match passes {
-        Some(Passes::Exactly(n)) => n.serialize(serializer),
-        other => as_optional_text(other, serializer),
-    }
-}
-
-fn accuracy_as_number_or_text<S: Serializer>(
-    accuracy: &Option<InnerAccuracy>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    match accuracy {
-        Some(InnerAccuracy(InnerTolerance::Fixed(tolerance))) => tolerance.serialize(serializer),
-        other => as_optional_text(other, serializer),
     }
 }

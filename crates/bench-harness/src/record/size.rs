@@ -2,10 +2,10 @@
 
 use abf::KktCounts;
 use abf_mesh::{Topology, TriMesh};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The size of a mesh.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Size {
     /// Triangles, after polygons are cut.
     pub(crate) triangles: usize,
@@ -30,7 +30,7 @@ impl Size {
 }
 
 /// The counters of VMV04 fig. 2: the KKT matrix of the whole problem, which only `abf` assembles.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Kkt {
     /// `4 nt + 2 ni`.
     pub(crate) unknowns: usize,

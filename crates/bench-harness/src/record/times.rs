@@ -1,9 +1,9 @@
 //! Where the time went.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Where the time of one result went, in seconds.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Timings {
     /// Reading the file, or making the built-in mesh.
     pub(crate) read: f64,
@@ -11,10 +11,10 @@ pub(crate) struct Timings {
     #[serde(flatten)]
     pub(crate) stages: Stages,
     /// Repairing, cutting, flattening and certifying charts.
-    #[serde(skip_serializing_if = "is_nothing")]
+    #[serde(default, skip_serializing_if = "is_nothing")]
     pub(crate) charts: f64,
     /// Packing them, and judging the whole.
-    #[serde(skip_serializing_if = "is_nothing")]
+    #[serde(default, skip_serializing_if = "is_nothing")]
     pub(crate) atlas: f64,
     /// Proving what the UVs are; part of `metrics` where a file is judged.
     pub(crate) certificate: f64,
@@ -32,7 +32,7 @@ fn is_nothing(seconds: &f64) -> bool {
 }
 
 /// Where the time from the mesh to its UVs went, in seconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Stages {
     /// Corner table, disk check, angles of the surface, estimate.
     pub(crate) topology: f64,
@@ -43,12 +43,12 @@ pub(crate) struct Stages {
     /// All three: what solvers are compared by.
     pub(crate) flatten: f64,
     /// The processor time of all three, over all threads; absent where other work goes on beside it.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) flatten_cpu: Option<f64>,
 }
 
 /// The times of runs that were made several times.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Repeats {
     /// How many were measured; the timings are their medians.
     pub(crate) count: usize,

@@ -61,6 +61,7 @@ fn add_files(folder: &Path, depth: Depth, found: &mut Vec<PathBuf>) -> Result<()
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::kind::FailureKind;
 
     #[test]
     fn a_folder_stands_for_every_mesh_in_it_or_below_it() {
@@ -76,7 +77,7 @@ mod tests {
         assert_eq!(found, [at("b/notes.txt"), at("a.PLY"), at("b/inner/z.stl"), at("c.obj")]);
         let inside = find(&[folder.path().to_owned()], Depth::Inside).expect("meshes");
         assert_eq!(inside, [at("a.PLY"), at("c.obj")]);
-        assert_eq!(find(&[at("empty")], Depth::Below).unwrap_err().kind, "no-meshes");
-        assert_eq!(find(&[at("c.obj"), at("missing")], Depth::Below).unwrap_err().kind, "not-found");
+        assert_eq!(find(&[at("empty")], Depth::Below).unwrap_err().kind, FailureKind::NoMeshes);
+        assert_eq!(find(&[at("c.obj"), at("missing")], Depth::Below).unwrap_err().kind, FailureKind::NotFound);
     }
 }

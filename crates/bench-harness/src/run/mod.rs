@@ -60,8 +60,8 @@ pub(crate) fn flatten(
     with_curves: bool,
     cancel: &Cancel,
 ) -> Flattened {
-    let solver = method.pipeline.solver.name();
-    let mut record = Record { solver: Some(solver), ..loaded.record() };
+    let solver = method.pipeline.solver.to_string();
+    let mut record = Record { solver: Some(solver.clone()), ..loaded.record() };
     if let Some(not_run) = method.not_run(&loaded.mesh) {
         return Record { not_run: Some(not_run), ..record }.into();
     }
@@ -95,7 +95,7 @@ pub(crate) fn flatten(
     let judging = Instant::now();
     // Both formats hold doubles exactly, so these are the UVs as written.
     match flat.metrics(&loaded.mesh) {
-        Ok(metrics) => record.quality = Some(Quality::new(metrics)),
+        Ok(metrics) => record.quality = Some(Quality::new(&metrics)),
         Err(error) => record.error = Some(Failure::metrics(&loaded.name, &error)),
     }
     let metrics = judging.elapsed().as_secs_f64();
@@ -112,10 +112,7 @@ pub(crate) fn flatten(
     });
     record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
     record.kkt = method.pipeline.solver.kind().finds_angles().then(|| Kkt::new(flat.kkt));
-    record.hint = advice::next_to_try(&record);
-    record.overlap = advice::overlap(&record);
-    record.climb = advice::climb(&record);
-    record.precision = advice::precision(&record);
+    record.hint = advice::next_to_try(&record, charting.is_some());
     let iterations = flat.solution.as_ref().map_or(&[][..], AngleSolution::history);
     // The curves are those of the last rung, which may not be the one whose result this is.
     let is_last = flat.rungs.last().is_none_or(|rung| rung.solver == flat.solver);
@@ -150,7 +147,7 @@ fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Can
     let Charts { packed, record: atlas, seams, charts_s } = match made {
         Ok(charts) => charts,
         Err(failure) => {
-            let mesh_is_unusable = ["no-faces", "beyond-repair", "not-clean", "not-finite"].contains(&failure.kind);
+            let mesh_is_unusable = failure.kind.is_of_the_mesh();
             let record = Record { size: Some(Size::of(&loaded.mesh, None)), error: Some(failure), ..record };
             return Flattened { mesh_is_unusable, ..record.into() };
         }
@@ -159,7 +156,7 @@ fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Can
     record.size = Some(Size::of(&loaded.mesh, None));
     record.notes.extend(atlas.repairs.iter().cloned());
     record.atlas = Some(atlas);
-    record.quality = Some(Quality::new(packed.metrics));
+    record.quality = Some(Quality::new(&packed.metrics));
     record.timings_s = Some(Timings {
         read: loaded.read_s,
         stages: Stages { flatten: charts_s, ..Stages::default() },
@@ -169,7 +166,6 @@ fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Can
         ..Timings::default()
     });
     record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
-    record.overlap = advice::overlap(&record);
     record.hint = advice::next_for_charts(&record);
     Flattened { uv: Some(packed.uv), seams, ..record.into() }
 }
@@ -213,7 +209,7 @@ fn refused(loaded: &Loaded, record: Record, error: &FlattenError) -> Flattened {
     );
     let failure = Failure::flatten(&loaded.name, error, loaded.fanned);
     let size = Some(size_of_refused(&loaded.mesh, error));
-    let solver = record.solver.filter(|_| !mesh_is_unusable);
+    let solver = record.solver.clone().filter(|_| !mesh_is_unusable);
     let record = Record { size, solver, error: Some(failure), ..record };
     Flattened { mesh_is_unusable, ..record.into() }
 }

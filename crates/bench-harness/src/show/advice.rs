@@ -12,22 +12,21 @@ const EAGER_RING_SWITCH: f64 = 0.5;
 const SUGGESTIONS: usize = 2;
 
 /// What went wrong in a few words, and options that have not been tried yet; `None` where nothing
-/// went wrong, or where the error says it.
-pub(crate) fn next_to_try(record: &Record) -> Option<String> {
-    let (run, quality, solver) = (record.run.as_ref()?, record.quality.as_ref()?, record.solver?);
+/// went wrong, or where the error says it. `may_cut` says whether the command takes the options of charts.
+pub(crate) fn next_to_try(record: &Record, may_cut: bool) -> Option<String> {
+    let (run, quality, solver) = (record.run.as_ref()?, record.quality.as_ref()?, record.solver.as_deref()?);
     if record.outcome() == Outcome::AsAsked {
-        return stretched(record);
+        return stretched(record, may_cut);
     }
-    let metrics = quality.metrics();
     let mut what = Vec::new();
     if !run.termination.is_as_asked() {
         what.push(ending(run));
         what.extend(inner_shortfall(run));
     }
     if !quality.valid {
-        what.push(format!("{} flipped and {} collapsed triangles", metrics.flips, metrics.collapsed));
-        if metrics.wound > 0 {
-            what.push(count(metrics.wound, "vertex wound around twice", "vertices wound around twice"));
+        what.push(format!("{} flipped and {} collapsed triangles", quality.flips, quality.collapsed));
+        if quality.wound > 0 {
+            what.push(count(quality.wound, "vertex wound around twice", "vertices wound around twice"));
         }
     }
     if what.is_empty() {
@@ -46,29 +45,22 @@ pub(crate) fn remark(record: &Record) -> Option<String> {
     let differing = record.repeats.is_some_and(|repeats| !repeats.identical);
     let differing = differing.then(|| "its repeats differ".to_owned());
     let not_run = record.not_run.as_ref().map(|not_run| format!("not run: {}", not_run.message));
-    let parts: Vec<String> = [
-        error,
-        not_run,
-        record.hint.clone(),
-        record.climb.clone(),
-        record.precision.clone(),
-        record.overlap.clone(),
-        differing,
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    let parts: Vec<String> =
+        [error, not_run, record.hint.clone(), climb(record), precision(record), overlap(record), differing]
+            .into_iter()
+            .flatten()
+            .collect();
     (!parts.is_empty()).then(|| parts.join("; "))
 }
 
 /// Where the UVs lie over themselves; `None` where they do not.
 pub(crate) fn overlap(record: &Record) -> Option<String> {
-    let metrics = record.quality.as_ref()?.metrics();
-    if metrics.overlaps() == 0 {
+    let quality = record.quality.as_ref()?;
+    if quality.overlaps == 0 {
         return None;
     }
-    let places = count(metrics.overlaps(), "place", "places");
-    let example = metrics.overlapping_faces.first().map(|[a, b]| format!(", for example triangles {a} and {b}"));
+    let places = count(quality.overlaps, "place", "places");
+    let example = quality.overlapping_faces.first().map(|[a, b]| format!(", for example triangles {a} and {b}"));
     let counted = if example.is_some() { " (counted from 0)" } else { "" };
     Some(format!("the UVs overlap themselves at {places} of their boundary{}{counted}", example.unwrap_or_default()))
 }
@@ -85,7 +77,7 @@ fn rung(rung: &Rung) -> String {
     let Some(termination) = rung.termination else {
         return format!("{} found nothing ({})", rung.solver, rung.error.as_deref().unwrap_or("no reason given"));
     };
-    let steps = steps(rung.solver, rung.iterations);
+    let steps = steps(&rung.solver, rung.iterations);
     let bad = [
         (rung.flips, "flipped triangle", "flipped triangles"),
         (rung.collapsed, "collapsed triangle", "collapsed triangles"),
@@ -115,17 +107,19 @@ pub(crate) fn next_for_charts(record: &Record) -> Option<String> {
     if !termination.is_as_asked() {
         return Some("try more --max-iterations, or --cut-disks".to_owned());
     }
-    stretched(record)
+    stretched(record, true)
 }
 
 /// What to try with a map that is valid and of little use.
-fn stretched(record: &Record) -> Option<String> {
+fn stretched(record: &Record, may_cut: bool) -> Option<String> {
     /// A texture that is stretched this much has one texel where it should have a hundred.
     const OF_LITTLE_USE: f64 = 10.0;
-    let stretch = record.quality.as_ref()?.metrics().stretch_l2;
+    let stretch = record.quality.as_ref()?.stretch_l2;
     (stretch > OF_LITTLE_USE).then(|| {
         let stretch = significant(stretch, 2);
-        format!("an L2 stretch of {stretch} is of little use: --cut-disks cuts the mesh where it stretches")
+        let way_out =
+            if may_cut { "--cut-disks cuts the mesh where it stretches" } else { "cut the mesh where it stretches" };
+        format!("an L2 stretch of {stretch} is of little use: {way_out}")
     })
 }
 
@@ -157,14 +151,15 @@ fn faces(first: &[usize], count: usize) -> String {
     format!("{} {}{more}", if count == 1 { "face" } else { "faces" }, numbers.join(", "))
 }
 
-fn steps(solver: SolverKind, n: usize) -> String {
-    let [one, many] = solver.iteration_names();
+/// The name of a solver of someone's own is none of ours: it makes iterations.
+fn steps(solver: &str, n: usize) -> String {
+    let [one, many] = solver.parse().map_or(["iteration", "iterations"], SolverKind::iteration_names);
     count(n, one, many)
 }
 
 /// How the solver ended, in words.
 pub(crate) fn ending(run: &Run) -> String {
-    let steps = steps(run.solved_by, run.iterations);
+    let steps = steps(&run.solved_by, run.iterations);
     // The refinement of a direct solve is no iteration anyone asked for, and has no estimate.
     let steps = match run.inner_estimate {
         Some(_) => format!("{steps} ({} inner)", run.inner_iterations),
@@ -204,7 +199,7 @@ fn tries(solver: &str, run: &Run) -> Vec<String> {
             vec![format!("--max-iterations {}", 2 * asked.max_iterations)]
         }
         Termination::Cancelled => Vec::new(),
-        _ if run.solved_by == SolverKind::Descent || !run.rungs.is_empty() => vec![longer_seam()],
+        _ if run.solved_by == SolverKind::Descent.name() || !run.rungs.is_empty() => vec![longer_seam()],
         ending if asked.passes.is_some() => other_passes(asked, run.layout, ending),
         ending => other_steps(solver, asked, ending),
     }

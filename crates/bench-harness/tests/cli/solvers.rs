@@ -221,7 +221,7 @@ fn the_history_has_every_outer_and_inner_iteration() {
     let options = format!("--solver all --json - --history {}", file.display());
     let results = run_on(&options, &[&fixture("letter-x")]).json()["results"].clone();
     let history: Value = serde_json::from_slice(&std::fs::read(&file).expect("written")).expect("JSON");
-    assert_eq!(history["schema"], "bench-harness-history/1");
+    assert_eq!(history["schema"], "bench-harness-history/2");
     let runs = history["runs"].as_array().expect("a list");
     assert_eq!(runs.len(), SOLVERS.len());
     for (run, result) in runs.iter().zip(results.as_array().expect("a list")) {

@@ -17,27 +17,27 @@ pub(crate) struct ChartArgs {
     pub(crate) seams: Option<SeamsFrom>,
     /// What becomes of holes: closed while the angles are solved for, joined by seams, or left to least squares; auto leaves
     /// them where that comes out well, else cuts, else closes them [default: auto]
-    #[arg(long, value_name = "RULE", value_parser = one_of::<HoleRule, _>(["auto", "fill", "fill-fan", "fill-ears", "cut", "free"]), help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, value_name = "RULE", value_parser = one_of::<HoleRule, _>(["auto", "fill", "fill-fan", "fill-ears", "cut", "free"]), help_heading = CHARTS)]
     pub(crate) holes: Option<HoleRule>,
     /// Seams grow until the L² stretch is at most S [default: 1.15]
     #[arg(long, value_name = "S", help_heading = CHARTS)]
     pub(crate) max_stretch: Option<f64>,
     /// Or until they are L times as long as the diagonal of the component [default: no limit]
-    #[arg(long, value_name = "L", help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, value_name = "L", help_heading = CHARTS)]
     pub(crate) max_seam: Option<f64>,
     /// Edges that turn by no more than A degrees are smooth: flat and developable parts stay whole across them
     /// [default: 30]
-    #[arg(long, value_name = "A", help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, value_name = "A", help_heading = CHARTS)]
     pub(crate) crease_angle: Option<f64>,
     /// Cut a file that is one disk, too, where its stretch is above --max-stretch; in an atlas every disk is
-    #[arg(long, help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, help_heading = CHARTS)]
     pub(crate) cut_disks: bool,
     /// Which vertices in one place are joined where that makes boundary edges meet: those within rounding, but none in a
     /// file that is one disk; none; or those at most DISTANCE apart [default: auto]
     #[arg(long, value_name = "auto|off|DISTANCE", allow_negative_numbers = true, help_heading = CHARTS)]
     pub(crate) weld: Option<Weld>,
     /// Refuse meshes that need repair, and faces without area
-    #[arg(long, help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, help_heading = CHARTS)]
     pub(crate) strict: bool,
     /// Refuse meshes that are no disks, instead of making charts of them
     #[arg(long, help_heading = CHARTS)]
@@ -61,13 +61,13 @@ pub(crate) struct ChartArgs {
     #[arg(long, value_name = "T", help_heading = CHARTS)]
     pub(crate) texels_per_unit: Option<f64>,
     /// Write the seams as lines: obj
-    #[arg(long, value_name = "FILE", help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = CHARTS)]
     pub(crate) seam_lines: Option<PathBuf>,
     /// Write from which vertex of a glTF input every vertex of the output is, as JSON
-    #[arg(long, value_name = "FILE", help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = CHARTS)]
     pub(crate) remap: Option<PathBuf>,
     /// Replace the texture coordinates that a glTF has, instead of adding a set
-    #[arg(long, help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, help_heading = CHARTS)]
     pub(crate) overwrite: bool,
 }
 

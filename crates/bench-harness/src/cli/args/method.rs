@@ -34,7 +34,7 @@ pub(crate) struct MethodArgs {
     #[arg(long)]
     pub(crate) normalize: bool,
     /// What becomes of faces without area: they get a place like all others, or are refused
-    #[arg(long, value_name = "carry|refuse", default_value_t, value_parser = one_of::<ZeroArea, _>(["carry", "refuse"]))]
+    #[arg(long, hide_short_help = true, value_name = "carry|refuse", default_value_t, value_parser = one_of::<ZeroArea, _>(["carry", "refuse"]))]
     pub(crate) zero_area: ZeroArea,
     /// How many threads to use; the results are the same for any number [default: one per core]
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=MOST_THREADS))]
@@ -46,50 +46,50 @@ pub(crate) struct MethodArgs {
     pub(crate) max_memory: Option<MemorySize>,
 
     /// Start rings whose angle deficit is above T rad from their target angles; off: none [default: 1]
-    #[arg(long, value_name = "T|off", help_heading = CONSTRAINTS)]
+    #[arg(long, hide_short_help = true, value_name = "T|off", help_heading = CONSTRAINTS)]
     pub(crate) ring_switch: Option<RingSwitch>,
     /// Start, and every pass of linabf again, from angles of at least B and at most π − B, rad [default: 0.001]
-    #[arg(long, value_name = "B", help_heading = CONSTRAINTS)]
+    #[arg(long, hide_short_help = true, value_name = "B", help_heading = CONSTRAINTS)]
     pub(crate) angle_bound: Option<f64>,
     /// Converged means a constraint residual of at most T, rad [default: 1e-8]
-    #[arg(long, value_name = "T", help_heading = CONSTRAINTS)]
+    #[arg(long, hide_short_help = true, value_name = "T", help_heading = CONSTRAINTS)]
     pub(crate) tolerance: Option<f64>,
     /// At most N outer iterations; of linabf passes, with --passes auto; of auto each rung [default: 50]
-    #[arg(long, value_name = "N", help_heading = ANGLES)]
+    #[arg(long, hide_short_help = true, value_name = "N", help_heading = ANGLES)]
     pub(crate) max_iterations: Option<usize>,
     /// Stop after so long, all rungs of auto together, and lay out what there is
     #[arg(long, value_name = "SECONDS", help_heading = ANGLES)]
     pub(crate) time_limit: Option<f64>,
 
     /// How many passes to make: a number, or auto: until the constraints are met [default: auto]
-    #[arg(long, value_name = "N|auto", help_heading = PASSES)]
+    #[arg(long, hide_short_help = true, value_name = "N|auto", help_heading = PASSES)]
     pub(crate) passes: Option<Passes>,
 
     /// The last weight of the barrier that keeps triangles usable, in units of energy per corner [default: 0.001]
-    #[arg(long, value_name = "M", help_heading = BARRIER)]
+    #[arg(long, hide_short_help = true, value_name = "M", help_heading = BARRIER)]
     pub(crate) barrier_floor: Option<f64>,
 
     /// The form of the wheel condition [default: product for abf and abf++, else log]
-    #[arg(long, value_name = "FORM", help_heading = NEWTON, value_parser = one_of::<WheelForm, _>(["product", "log"]))]
+    #[arg(long, hide_short_help = true, value_name = "FORM", help_heading = NEWTON, value_parser = one_of::<WheelForm, _>(["product", "log"]))]
     pub(crate) wheel: Option<WheelForm>,
     /// The second derivatives [default: gauss-newton for abf++ and abf-fixed-target, else exact]
-    #[arg(long, value_name = "KIND", help_heading = NEWTON, value_parser = one_of::<Hessian, _>(["exact", "gauss-newton"]))]
+    #[arg(long, hide_short_help = true, value_name = "KIND", help_heading = NEWTON, value_parser = one_of::<Hessian, _>(["exact", "gauss-newton"]))]
     pub(crate) hessian: Option<Hessian>,
     /// Shorten steps until a merit function falls, or take them in full [default: merit]
-    #[arg(long, value_name = "KIND", help_heading = NEWTON, value_parser = one_of::<LineSearch, _>(["merit", "full"]))]
+    #[arg(long, hide_short_help = true, value_name = "KIND", help_heading = NEWTON, value_parser = one_of::<LineSearch, _>(["merit", "full"]))]
     pub(crate) line_search: Option<LineSearch>,
 
     /// Which unknowns are eliminated first; none as published in 2004 [default: triangles]
-    #[arg(long, value_name = "ROWS", help_heading = ITERATIVE, value_parser = one_of::<Reduction, _>(["none", "triangles"]))]
+    #[arg(long, hide_short_help = true, value_name = "ROWS", help_heading = ITERATIVE, value_parser = one_of::<Reduction, _>(["none", "triangles"]))]
     pub(crate) reduction: Option<Reduction>,
     /// The preconditioner; none as published in 2004 [default: block]
-    #[arg(long, value_name = "KIND", help_heading = ITERATIVE, value_parser = one_of::<PreconditionerKind, _>(["none", "jacobi", "block"]))]
+    #[arg(long, hide_short_help = true, value_name = "KIND", help_heading = ITERATIVE, value_parser = one_of::<PreconditionerKind, _>(["none", "jacobi", "block"]))]
     pub(crate) preconditioner: Option<PreconditionerKind>,
     /// At most N inner iterations in an outer one [default: 20000]
-    #[arg(long, value_name = "N", help_heading = ITERATIVE)]
+    #[arg(long, hide_short_help = true, value_name = "N", help_heading = ITERATIVE)]
     pub(crate) max_inner_iterations: Option<usize>,
     /// Solve to this relative residual; auto follows the constraint residual [default: auto]
-    #[arg(long, value_name = "T|auto", help_heading = ITERATIVE)]
+    #[arg(long, hide_short_help = true, value_name = "T|auto", help_heading = ITERATIVE)]
     pub(crate) inner_tolerance: Option<InnerAccuracy>,
 }
 

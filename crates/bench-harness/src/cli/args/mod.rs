@@ -12,13 +12,6 @@ use method::MOST_THREADS;
 pub(crate) use method::{MethodArgs, SolverChoice, names};
 use std::path::PathBuf;
 
-const EXIT_CODES: &str = "\
-Exit codes:
-  0  finished as asked and valid: no flipped and no collapsed triangle, no vertex wound around twice
-  1  finished, but not converged, or not valid, or cancelled
-  2  unusable input or usage, or a file that cannot be written
-Of several meshes or solvers the worst counts; a reader of stdout that goes away is no error. A map that overlaps itself is said to, and does not change the code.";
-
 /// The names of the commands besides flattening.
 pub(crate) const COMMANDS: [&str; 4] = ["compare", "survey", "metrics", "fixtures"];
 
@@ -42,14 +35,30 @@ Exit codes:
 
 /// Flatten triangle meshes and say how good, how valid and how fast it was.
 #[derive(Debug, Parser)]
-#[command(version, args_conflicts_with_subcommands = true, allow_negative_numbers = true, after_help = EXIT_CODES)]
+#[command(version, args_conflicts_with_subcommands = true, allow_negative_numbers = true, max_term_width = 100)]
 pub(crate) struct Args {
     /// Something else than flattening.
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
+    /// Print a completion script for a shell, or a manual page
+    #[arg(long, value_name = "WHAT", exclusive = true, hide_short_help = true)]
+    pub(crate) generate: Option<Generated>,
     /// How to flatten.
     #[command(flatten)]
     pub(crate) flatten: FlattenArgs,
+}
+
+/// What the program prints of itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Generated {
+    /// Completion for bash
+    CompleteBash,
+    /// Completion for zsh
+    CompleteZsh,
+    /// Completion for fish
+    CompleteFish,
+    /// A manual page
+    Man,
 }
 
 impl Args {
@@ -105,7 +114,7 @@ pub(crate) struct FlattenArgs {
     #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
     pub(crate) json: Option<PathBuf>,
     /// Write every outer and inner iteration as JSON, for plotting; with - to stdout
-    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs", hide_short_help = true)]
     pub(crate) history: Option<PathBuf>,
     /// Draw the checkered surface next to its layout
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]

@@ -2,8 +2,8 @@
 
 use crate::record::failure::Failure;
 use crate::record::number::count;
-use crate::record::{Change, Quality, Record, SCHEMA, result_word};
-use serde_json::Value;
+use crate::record::{Change, Document, Record, SCHEMA};
+use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -12,18 +12,10 @@ use std::path::Path;
 #[derive(Debug)]
 pub(crate) struct Baseline {
     file: String,
-    results: BTreeMap<(String, Option<String>), Earlier>,
+    results: BTreeMap<Key, Record>,
 }
 
-/// What is kept of an earlier result.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Earlier {
-    result: String,
-    f: Option<f64>,
-    stretch_l2: Option<f64>,
-    flips: Option<i64>,
-    flatten_s: Option<f64>,
-}
+type Key = (String, Option<String>);
 
 impl Baseline {
     /// Reads the JSON of an earlier comparison.
@@ -31,31 +23,35 @@ impl Baseline {
     /// # Errors
     /// When it cannot be read or is something else.
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
+        /// What tells whether the rest can be understood.
+        #[derive(Deserialize)]
+        struct Top {
+            schema: String,
+        }
         let text = fs::read_to_string(path).map_err(|error| Failure::unreadable(path, &error))?;
-        let json: Value =
-            serde_json::from_str(&text).map_err(|error| Failure::no_baseline(path, &error.to_string()))?;
-        if json["schema"] != SCHEMA {
+        let none = |error: serde_json::Error| Failure::no_baseline(path, &error.to_string());
+        let top: Top = serde_json::from_str(&text).map_err(none)?;
+        if top.schema != SCHEMA {
             return Err(Failure::no_baseline(path, &format!("its \"schema\" is not \"{SCHEMA}\"")));
         }
-        let results = json["results"].as_array().map(Vec::as_slice).unwrap_or_default();
-        let keyed = results.iter().filter_map(|result| {
-            let solver = result["solver"].as_str().map(str::to_owned);
-            Some(((result["mesh"].as_str()?.to_owned(), solver), Earlier::new(result)))
-        });
-        Ok(Self { file: path.display().to_string(), results: keyed.collect() })
+        let document: Document = serde_json::from_str(&text).map_err(none)?;
+        let results = document.results.into_iter().map(|record| (key(&record), record)).collect();
+        Ok(Self { file: path.display().to_string(), results })
     }
 
     /// What changed in this result.
     pub(super) fn change(&self, record: &Record) -> Change {
-        let earlier = self.results.get(&key(record)).cloned();
-        let earlier = earlier.unwrap_or_else(|| Earlier { result: Change::NEW.to_owned(), ..Earlier::default() });
-        let metrics = record.quality.as_ref().map(Quality::metrics);
+        let earlier = self.results.get(&key(record));
+        let figures = |of: &Record| of.quality.as_ref().map(|quality| (quality.f, quality.stretch_l2));
+        let [now, then] = [Some(record), earlier].map(|record| record.and_then(figures));
+        let flips = |of: &Record| of.quality.as_ref().map(|quality| quality.flips as i64);
+        let seconds = |of: &Record| of.timings_s.map(|timings| timings.stages.flatten);
         Change {
-            result: earlier.result,
-            f_ratio: ratio(metrics.map(|m| m.f), earlier.f),
-            stretch_l2_ratio: ratio(metrics.map(|m| m.stretch_l2), earlier.stretch_l2),
-            flips_change: metrics.and_then(|m| Some(m.flips as i64 - earlier.flips?)),
-            time_ratio: ratio(record.timings_s.map(|t| t.stages.flatten), earlier.flatten_s),
+            result: earlier.map_or_else(|| Change::NEW.to_owned(), Record::result_word),
+            f_ratio: ratio(now.map(|(f, _)| f), then.map(|(f, _)| f)),
+            stretch_l2_ratio: ratio(now.map(|(_, l2)| l2), then.map(|(_, l2)| l2)),
+            flips_change: flips(record).zip(earlier.and_then(flips)).map(|(now, then)| now - then),
+            time_ratio: ratio(seconds(record), earlier.and_then(seconds)),
         }
     }
 
@@ -71,28 +67,8 @@ impl Baseline {
     }
 }
 
-impl Earlier {
-    fn new(result: &Value) -> Self {
-        let word = match result["not_run"]["kind"].as_str() {
-            Some(kind) => format!("not run: {kind}"),
-            None => result_word(
-                result["error"]["kind"].as_str(),
-                result["termination"].as_str(),
-                result["valid"].as_bool().unwrap_or(false),
-            ),
-        };
-        Self {
-            result: word,
-            f: result["f"].as_f64(),
-            stretch_l2: result["stretch_l2"].as_f64(),
-            flips: result["flips"].as_i64(),
-            flatten_s: result["timings_s"]["flatten"].as_f64(),
-        }
-    }
-}
-
-fn key(record: &Record) -> (String, Option<String>) {
-    (record.mesh.clone(), record.solver.map(str::to_owned))
+fn key(record: &Record) -> Key {
+    (record.mesh.clone(), record.solver.clone())
 }
 
 /// Whether result, F, stretch and flips are what they were. Times never are.
@@ -106,7 +82,7 @@ fn is_as_before(record: &Record) -> bool {
 /// New divided by old; 1 where they are the same, zero and infinity included.
 fn ratio(new: Option<f64>, old: Option<f64>) -> Option<f64> {
     let (new, old) = (new?, old?);
-    Some(if new == old { 1.0 } else { new / old })
+    Some(if new == old { 1.0 } else { new / old }).filter(|ratio| ratio.is_finite())
 }
 
 #[cfg(test)]
@@ -118,13 +94,5 @@ mod tests {
         assert_eq!(ratio(Some(0.0), Some(0.0)), Some(1.0));
         assert_eq!(ratio(Some(3.0), Some(2.0)), Some(1.5));
         assert_eq!(ratio(Some(3.0), None), None);
-    }
-
-    #[test]
-    fn earlier_results_are_named_as_results_are_now() {
-        let word = |json: &str| Earlier::new(&serde_json::from_str(json).expect("JSON")).result;
-        assert_eq!(word(r#"{"termination": "stalled", "valid": false}"#), "stalled, not valid");
-        assert_eq!(word(r#"{"error": {"kind": "closed"}}"#), "error: closed");
-        assert_eq!(word(r#"{"not_run": {"kind": "too large"}}"#), "not run: too large");
     }
 }

@@ -2,15 +2,13 @@
 
 use crate::record::failure::Failure;
 use crate::record::history::History;
-use crate::record::{Asked, Record};
+use crate::record::{Machine, Program, Record, fields};
 use crate::run::Flattened;
 use crate::run::load::Loaded;
 use crate::show::files;
 use crate::show::table;
 use abf_report::page::{MeshFragment, MeshSection, Run, assemble};
-use serde_json::Value;
 use std::path::PathBuf;
-use std::thread::available_parallelism;
 
 const TITLE: &str = "Comparison of flattenings";
 /// The solver of a row that no solver is to blame for.
@@ -49,8 +47,8 @@ impl Report {
 fn row(flattened: &Flattened) -> Run<'_> {
     let Flattened { record, uv, history, .. } = flattened;
     Run {
-        solver: record.solver.unwrap_or(NO_SOLVER),
-        settings: record.run.as_ref().map(|run| settings(&run.settings)).unwrap_or_default(),
+        solver: record.solver.as_deref().unwrap_or(NO_SOLVER),
+        settings: record.run.as_ref().map(|run| fields(&run.settings)).unwrap_or_default(),
         uv: uv.as_ref(),
         columns: table::page_cells(record),
         failure: failure(record),
@@ -64,33 +62,16 @@ fn failure(record: &Record) -> Option<String> {
     record.error.as_ref().map(|failure| format!("{}: {}", failure.message, failure.hint))
 }
 
-/// The settings that concern the solver, under their names in the JSON.
-fn settings(asked: &Asked) -> Vec<(String, String)> {
-    let Ok(Value::Object(fields)) = serde_json::to_value(asked) else { return Vec::new() };
-    let shown = |(name, value): (String, Value)| match value {
-        Value::Null => None,
-        Value::String(text) => Some((name, text)),
-        other => Some((name, other.to_string())),
-    };
-    fields.into_iter().filter_map(shown).collect()
-}
-
 /// What the runs are made on.
 fn machine() -> Vec<(String, String)> {
-    let cores = available_parallelism().map_or_else(|_| "unknown".to_owned(), |cores| cores.to_string());
+    let (Program { name, version }, machine) = (Program::this(), Machine::this());
+    let cores = machine.cores.map_or_else(|| "unknown".to_owned(), |cores| cores.to_string());
     let mut lines = vec![
-        ("program".to_owned(), concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")).to_owned()),
-        ("system".to_owned(), format!("{} on {}", std::env::consts::OS, std::env::consts::ARCH)),
+        ("program".to_owned(), format!("{name} {version}")),
+        ("system".to_owned(), format!("{} on {}", machine.os, machine.arch)),
         ("cores".to_owned(), cores),
         ("threads".to_owned(), rayon::current_num_threads().to_string()),
     ];
-    lines.extend(processor().map(|name| ("processor".to_owned(), name)));
+    lines.extend(machine.cpu.map(|name| ("processor".to_owned(), name)));
     lines
-}
-
-/// The name of the processor, where the system tells it in a file.
-fn processor() -> Option<String> {
-    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("model name"))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
 }

@@ -4,14 +4,14 @@
 //! the program ended is no entry.
 
 use super::lock::lock;
-use super::row::{Entry, FileState};
-use super::settings::{Survey, difference};
-use super::summary::Counts;
+use super::settings::Survey;
 use crate::record::failure::Failure;
-use crate::record::{SCHEMA, pretty};
+use crate::record::kind::Refused;
+use crate::record::surveyed::{About, Counts, FileState, LogHead, MadeWith, SurveyDocument, Surveyed};
+use crate::record::{Head, SCHEMA, pretty};
 use crate::show::files;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::{ErrorKind, Write};
@@ -23,15 +23,9 @@ use std::sync::Mutex;
 pub(super) struct Log {
     /// `None` where the results go to no file, and nothing is kept.
     path: Option<PathBuf>,
-    settings: String,
-    earlier: BTreeMap<String, Entry>,
+    made_with: MadeWith,
+    earlier: BTreeMap<String, Surveyed>,
     file: Mutex<Option<File>>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Head {
-    schema: String,
-    settings: String,
 }
 
 impl Log {
@@ -40,8 +34,8 @@ impl Log {
     /// # Errors
     /// Results that are none of a survey or of one with other settings, and a log that would be lost.
     pub(super) fn open(survey: &Survey) -> Result<Self, Failure> {
-        let (path, settings) = (survey.log(), survey.settings());
-        let mut log = Self { path, settings, earlier: BTreeMap::new(), file: Mutex::new(None) };
+        let (path, made_with) = (survey.log(), survey.made_with());
+        let mut log = Self { path, made_with, earlier: BTreeMap::new(), file: Mutex::new(None) };
         let Some(path) = log.path.clone() else { return Ok(log) };
         files::check([Some(path.as_path())])?;
         if survey.resume {
@@ -56,24 +50,21 @@ impl Log {
     }
 
     /// The entry of a mesh that is done already, and has not changed since.
-    pub(super) fn take(&mut self, mesh: &Path) -> Option<Entry> {
+    pub(super) fn take(&mut self, mesh: &Path) -> Option<Surveyed> {
         let entry = self.earlier.remove(&mesh.display().to_string())?;
-        let is_current = entry.row.file.is_some() && entry.row.file == FileState::of(mesh);
-        (is_current && !entry.is_for_want_of_memory()).then_some(entry)
+        let is_current = entry.file.is_some() && entry.file == FileState::of(mesh);
+        // More memory may be there now.
+        (is_current && entry.refused != Some(Refused::Memory)).then_some(entry)
     }
 
     /// Begins the log with what is kept.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub(super) fn start<'a>(&mut self, kept: impl Iterator<Item = &'a Entry>) -> Result<(), Failure> {
+    pub(super) fn start<'a>(&mut self, kept: impl Iterator<Item = &'a Surveyed>) -> Result<(), Failure> {
         let Some(path) = &self.path else { return Ok(()) };
-        let head = Head { schema: SCHEMA.to_owned(), settings: self.settings.clone() };
-        let head = serde_json::to_string(&head).expect("text");
-        let lines: String = std::iter::once(head.as_str())
-            .chain(kept.map(|entry| entry.json.as_str()))
-            .flat_map(|line| [line, "\n"])
-            .collect();
+        let head = LogHead { schema: SCHEMA.to_owned(), made_with: self.made_with.clone() };
+        let lines: String = std::iter::once(line(&head)).chain(kept.map(line)).collect();
         files::replace(path, lines.as_bytes())?;
         let file = OpenOptions::new().append(true).open(path).map_err(|error| unwritable(path, &error))?;
         *lock(&self.file) = Some(file);
@@ -84,11 +75,10 @@ impl Log {
     ///
     /// # Errors
     /// When the log cannot be written.
-    pub(super) fn append(&self, entry: &Entry) -> Result<(), Failure> {
+    pub(super) fn append(&self, entry: &Surveyed) -> Result<(), Failure> {
         let (Some(path), Some(file)) = (&self.path, &mut *lock(&self.file)) else { return Ok(()) };
         // One write: two entries never mix, and half a line is no entry.
-        let line = format!("{}\n", entry.json);
-        file.write_all(line.as_bytes()).map_err(|error| unwritable(path, &error))
+        file.write_all(line(entry).as_bytes()).map_err(|error| unwritable(path, &error))
     }
 
     /// Removes the log, for the results are written.
@@ -102,37 +92,54 @@ impl Log {
     }
 
     fn add_results(&mut self, path: &Path) -> Result<(), Failure> {
-        #[derive(Deserialize)]
-        struct Document {
-            schema: String,
-            survey: Head,
-            results: Vec<Box<RawValue>>,
-        }
         let Some(text) = read(path)? else { return Ok(()) };
-        let document: Document =
-            serde_json::from_str(&text).map_err(|error| Failure::no_survey(path, &error.to_string()))?;
-        if document.schema != SCHEMA {
-            return Err(Failure::no_survey(path, &format!("its \"schema\" is not \"{SCHEMA}\"")));
-        }
-        self.add(path, &document.survey, document.results.iter().map(|result| result.get()))
+        let document: SurveyDocument = parse(path, &text)?;
+        self.add(path, &document.survey.made_with, document.results.into_iter())
     }
 
     fn add_log(&mut self, path: &Path) -> Result<(), Failure> {
         let Some(text) = read(path)? else { return Ok(()) };
         let (head, lines) = text.split_once('\n').unwrap_or((&text, ""));
-        let head: Head = serde_json::from_str(head).map_err(|error| Failure::no_survey(path, &error.to_string()))?;
-        self.add(path, &head, lines.lines())
+        let head: LogHead = parse(path, head)?;
+        // Half of a line is no entry.
+        self.add(path, &head.made_with, lines.lines().filter_map(|line| serde_json::from_str(line).ok()))
     }
 
-    fn add<'a>(&mut self, path: &Path, head: &Head, entries: impl Iterator<Item = &'a str>) -> Result<(), Failure> {
+    fn add(
+        &mut self,
+        path: &Path,
+        made_with: &MadeWith,
+        entries: impl Iterator<Item = Surveyed>,
+    ) -> Result<(), Failure> {
         // Results of two kinds in one file would be compared as one; to do the others again would lose them unasked.
-        if let Some([what, before, now]) = difference(&head.settings, &self.settings) {
-            return Err(Failure::other_settings(path, what, before, now));
+        if let Some([what, before, now]) = made_with.difference(&self.made_with) {
+            return Err(Failure::other_settings(path, &what, &before, &now));
         }
-        let entries = entries.filter_map(|text| Entry::read(text.to_owned()));
-        self.earlier.extend(entries.map(|entry| (entry.row.mesh.clone(), entry)));
+        self.earlier.extend(entries.map(|entry| (entry.record.mesh.clone(), entry)));
         Ok(())
     }
+}
+
+/// One line of the log.
+fn line(entry: &impl Serialize) -> String {
+    let mut text = serde_json::to_string(entry).expect("records have text keys only");
+    text.push('\n');
+    text
+}
+
+/// A document of this schema.
+fn parse<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, Failure> {
+    /// What tells whether the rest can be understood.
+    #[derive(Deserialize)]
+    struct Top {
+        schema: String,
+    }
+    let none = |error: serde_json::Error| Failure::no_survey(path, &error.to_string());
+    let top: Top = serde_json::from_str(text).map_err(none)?;
+    if top.schema != SCHEMA {
+        return Err(Failure::no_survey(path, &format!("its \"schema\" is not \"{SCHEMA}\"")));
+    }
+    serde_json::from_str(text).map_err(none)
 }
 
 /// The text of a file, if there is one.
@@ -150,23 +157,8 @@ fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
 }
 
 /// The results as a JSON document: that of every other command, and what was counted.
-pub(super) fn document(survey: &Survey, counts: &Counts, done: &[Entry]) -> String {
-    #[derive(Serialize)]
-    struct Document<'a> {
-        schema: &'static str,
-        survey: About<'a>,
-        results: Vec<&'a RawValue>,
-    }
-    #[derive(Serialize)]
-    struct About<'a> {
-        schema: &'static str,
-        settings: String,
-        solver: &'static str,
-        #[serde(flatten)]
-        counts: &'a Counts,
-    }
-    let results = done.iter().map(|entry| serde_json::from_str(&entry.json).expect("one JSON value")).collect();
-    let about =
-        About { schema: SCHEMA, settings: survey.settings(), solver: survey.method.pipeline.solver.name(), counts };
-    pretty(&Document { schema: SCHEMA, survey: about, results })
+pub(super) fn document(survey: &Survey, counts: &Counts, done: &[Surveyed]) -> String {
+    let solver = survey.method.pipeline.solver.to_string();
+    let about = About { solver, made_with: survey.made_with(), counts: counts.clone() };
+    pretty(&SurveyDocument { head: Head::new(SCHEMA), survey: about, results: done.to_vec() })
 }

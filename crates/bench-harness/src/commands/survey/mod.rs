@@ -7,7 +7,6 @@
 mod budget;
 mod lock;
 mod log;
-mod row;
 mod settings;
 mod summary;
 mod table;
@@ -15,6 +14,7 @@ mod table;
 use crate::cli::targets::JsonTarget;
 use crate::record::failure::Failure;
 use crate::record::number::count;
+use crate::record::surveyed::{FileState, Surveyed};
 use crate::record::{Outcome, Record};
 use crate::run::cancel::Cancel;
 use crate::run::load::{Loaded, unusable};
@@ -25,7 +25,6 @@ use abf::predict_memory;
 use budget::Budget;
 use lock::lock;
 use log::Log;
-use row::{Entry, FileState, Row};
 pub(crate) use settings::Survey;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -49,7 +48,7 @@ fn try_survey(survey: &Survey) -> Result<Outcome, Failure> {
     files::check([survey.json.as_ref().and_then(JsonTarget::file)])?;
     let meshes = meshes::find(&survey.meshes, survey.depth)?;
     let mut log = Log::open(survey)?;
-    let mut entries: Vec<Option<Entry>> = meshes.iter().map(|mesh| log.take(mesh)).collect();
+    let mut entries: Vec<Option<Surveyed>> = meshes.iter().map(|mesh| log.take(mesh)).collect();
     let kept = entries.iter().flatten().count();
     if survey.resume {
         console::words(&format!("resumed: {kept} of {} done already\n", count(meshes.len(), "mesh", "meshes")));
@@ -60,9 +59,9 @@ fn try_survey(survey: &Survey) -> Result<Outcome, Failure> {
     for (k, entry) in work(survey, &meshes, &missing, &log, &cancel)? {
         entries[k] = Some(entry);
     }
-    let done: Vec<Entry> = entries.into_iter().flatten().collect();
-    let rows: Vec<&Row> = done.iter().map(|entry| &entry.row).collect();
-    let counts = summary::Counts::of(&rows, meshes.len());
+    let done: Vec<Surveyed> = entries.into_iter().flatten().collect();
+    let rows: Vec<&Surveyed> = done.iter().collect();
+    let counts = summary::count(&rows, meshes.len());
     if cancel.is_asked() {
         console::words(&format!("cancelled: {} of {} done\n", done.len(), count(meshes.len(), "mesh", "meshes")));
     }
@@ -82,7 +81,7 @@ fn work(
     missing: &[usize],
     log: &Log,
     cancel: &Cancel,
-) -> Result<Vec<(usize, Entry)>, Failure> {
+) -> Result<Vec<(usize, Surveyed)>, Failure> {
     let budget = Budget::new(survey.method.pipeline.max_memory);
     let (next, failed) = (AtomicUsize::new(0), Mutex::new(None));
     let finished = Mutex::new(Vec::new());
@@ -97,7 +96,7 @@ fn work(
             if record.is_cancelled() {
                 break;
             }
-            let entry = Entry::new(&record, state);
+            let entry = Surveyed::new(record, state);
             match log.append(&entry) {
                 Ok(()) => lock(&finished).push((k, entry)),
                 Err(failure) => *lock(&failed) = Some(failure),

@@ -33,7 +33,7 @@ pub(super) fn lines(solver: &str, atlas: &Atlas) -> Vec<(&'static str, String)> 
 fn solver_line(solver: &str, atlas: &Atlas) -> String {
     let mut by: BTreeMap<(&str, String), usize> = BTreeMap::new();
     for chart in &atlas.charts {
-        *by.entry((chart.solved_by.name(), chart.termination.to_string())).or_default() += 1;
+        *by.entry((chart.solved_by.as_str(), chart.termination.to_string())).or_default() += 1;
     }
     let parts: Vec<String> =
         by.into_iter().map(|((name, end), n)| format!("{} by {name} ({end})", count(n, "chart", "charts"))).collect();

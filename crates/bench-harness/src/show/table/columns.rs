@@ -3,7 +3,6 @@
 use super::cell::Cell;
 use crate::record::{Change, Quality, Record, Run};
 use crate::show::advice::remark;
-use abf::Metrics;
 
 /// How many digits errors and stretch are shown with.
 pub(crate) const DIGITS: usize = 4;
@@ -87,8 +86,7 @@ pub(crate) const COMPARISON: Columns = &[&[MESH, TRIANGLES, SOLVER], ENDED, STEP
 const MESH: Column = Column::text("mesh", "mesh", |r| Cell::Text(r.mesh.clone()));
 const TRIANGLES: Column =
     Column::number("triangles", "triangles", |r| r.size.map(|size| Cell::Count(size.triangles)).into());
-const SOLVER: Column =
-    Column::text("solver", "solver", |r| r.solver.map(|solver| Cell::Text(solver.to_owned())).into());
+const SOLVER: Column = Column::text("solver", "solver", |r| r.solver.clone().map(Cell::Text).into());
 const RESULT: Column = Column::text("result", "result", |r| Cell::Text(r.result_word()));
 const OUTER: Column = Column::number("outer", "outer_iterations", |r| run(r, |run| Some(Cell::Count(run.iterations))));
 const INNER: Column =
@@ -103,12 +101,12 @@ const FALLBACKS: Column = Column::number("fallbacks", "fallbacks", |r| run(r, |r
 const LAYOUT: Column =
     Column::text("layout", "layout", |r| run(r, |run| run.layout.map(|kind| Cell::Text(kind.to_string()))));
 const BY: Column = Column::text("by", "solved_by", |r| {
-    run(r, |run| (!run.rungs.is_empty()).then(|| Cell::Text(run.solved_by.to_string())))
+    run(r, |run| (!run.rungs.is_empty()).then(|| Cell::Text(run.solved_by.clone())))
 });
 const FLIPS: Column = Column::number("flips", "flips", |r| metrics(r, |m| Cell::Count(m.flips)));
 const COLLAPSED: Column = Column::number("collapsed", "collapsed", |r| metrics(r, |m| Cell::Count(m.collapsed)));
 const WOUND: Column = Column::number("wound", "wound", |r| metrics(r, |m| Cell::Count(m.wound)));
-const OVERLAPS: Column = Column::number("overlaps", "overlaps", |r| metrics(r, |m| Cell::Count(m.overlaps())));
+const OVERLAPS: Column = Column::number("overlaps", "overlaps", |r| metrics(r, |m| Cell::Count(m.overlaps)));
 const F: Column = Column::number("F/3nt", "f_rad2", |r| metrics(r, |m| Cell::Figure(m.f, DIGITS)));
 const STRETCH_L2: Column =
     Column::number("stretch L2", "stretch_l2", |r| metrics(r, |m| Cell::Figure(m.stretch_l2, DIGITS + 1)));
@@ -140,8 +138,8 @@ fn residual(residual: Option<f64>) -> Option<Cell> {
     residual.map(|residual| Cell::Figure(residual, RESIDUAL_DIGITS))
 }
 
-fn metrics(record: &Record, cell: impl Fn(&Metrics) -> Cell) -> Cell {
-    record.quality.as_ref().map(Quality::metrics).map(cell).into()
+fn metrics(record: &Record, cell: impl Fn(&Quality) -> Cell) -> Cell {
+    record.quality.as_ref().map(cell).into()
 }
 
 fn change(record: &Record, cell: impl Fn(&Change) -> Option<Cell>) -> Cell {

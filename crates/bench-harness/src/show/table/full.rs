@@ -1,5 +1,6 @@
 //! One record for people, in full.
 
+use crate::record::kinds::keeps_constraints;
 use crate::record::number::{count, megabytes, seconds, significant};
 use crate::record::{Asked, Kkt, Quality, Record, Run, Size, Timings};
 use crate::show::advice::ending;
@@ -17,19 +18,19 @@ pub(crate) fn in_full(record: &Record) -> String {
     if let Some(size) = &record.size {
         lines.push(("size", size_line(size)));
     }
-    if let (Some(run), Some(solver)) = (&record.run, record.solver) {
+    if let (Some(run), Some(solver)) = (&record.run, &record.solver) {
         lines.extend(run_lines(solver, run));
     }
-    if let (Some(atlas), Some(solver)) = (&record.atlas, record.solver) {
+    if let (Some(atlas), Some(solver)) = (&record.atlas, &record.solver) {
         lines.extend(super::atlas::lines(solver, atlas));
     }
     if let Some(quality) = &record.quality {
         lines.push(("valid", valid_line(quality)));
-        lines.push(("injective", injective_line(quality.metrics())));
-        if quality.metrics().charts > 1 && record.atlas.is_none() {
-            lines.push(("charts", quality.metrics().charts.to_string()));
+        lines.push(("injective", injective_line(quality)));
+        if quality.charts > 1 && record.atlas.is_none() {
+            lines.push(("charts", quality.charts.to_string()));
         }
-        lines.extend(distortion_lines(quality.metrics()));
+        lines.extend(distortion_lines(quality));
     }
     lines.extend(record.kkt.map(|kkt| ("KKT matrix", kkt_line(kkt))));
     if let Some(timings) = &record.timings_s {
@@ -40,7 +41,7 @@ pub(crate) fn in_full(record: &Record) -> String {
     }
     lines.extend(record.written.iter().map(|path| ("written", path.clone())));
     if let Some(failure) = &record.error {
-        lines.push(("error", failure.kind.to_owned()));
+        lines.push(("error", failure.kind.to_string()));
     }
     let mut out = format!("{}\n", record.mesh);
     for (label, text) in lines {
@@ -81,7 +82,7 @@ fn solver_line(solver: &str, run: &Run) -> String {
     }
     parts.extend(asked.passes.map(|passes| format!("passes {passes}")));
     // A method without angles takes none of these.
-    if asked.keeps_constraints {
+    if solver.parse().is_ok_and(keeps_constraints) {
         parts.push(match asked.ring_switch {
             Some(threshold) => format!("ring switch {threshold} rad ({} switched)", run.switched_rings),
             None => "ring switch off".to_owned(),
@@ -173,17 +174,16 @@ fn layout_line(run: &Run) -> String {
 }
 
 fn valid_line(quality: &Quality) -> String {
-    let m = quality.metrics();
+    let m = quality;
     let mut text = if quality.valid {
         "yes: no flipped and no collapsed triangle, no vertex wound around twice".to_owned()
     } else {
         let wound = if m.wound > 0 { format!(", {} wound around twice", m.wound) } else { String::new() };
         format!("no: {} flipped, {} collapsed{wound}", m.flips, m.collapsed)
     };
-    let faces: Vec<usize> = m.flipped_faces.iter().chain(&m.collapsed_faces).map(|face| face.index()).collect();
-    let vertices: Vec<usize> = m.wound_vertices.iter().map(|vertex| vertex.index()).collect();
+    let faces: Vec<usize> = m.flipped_faces.iter().chain(&m.collapsed_faces).copied().collect();
     let named: Vec<String> =
-        [listed("triangles", &faces, m.flips + m.collapsed), listed("vertices", &vertices, m.wound)]
+        [listed("triangles", &faces, m.flips + m.collapsed), listed("vertices", &m.wound_vertices, m.wound)]
             .into_iter()
             .flatten()
             .collect();
@@ -193,7 +193,7 @@ fn valid_line(quality: &Quality) -> String {
     if m.near_collapsed > 0 {
         let _ = write!(text, "; {} collapsed but for rounding", m.near_collapsed);
     }
-    if m.precision == Precision::Single {
+    if m.uv_precision == Precision::Single {
         text += "; stored in single precision";
     }
     text
@@ -206,11 +206,11 @@ fn listed(what: &str, numbers: &[usize], count: usize) -> Option<String> {
     (!shown.is_empty()).then(|| format!("{what} {}{more}", shown.join(", ")))
 }
 
-fn injective_line(m: &Metrics) -> String {
+fn injective_line(m: &Quality) -> String {
     /// More pairs of faces would not fit into a line.
     const PAIRS: usize = 3;
-    if m.overlaps() == 0 {
-        let text = if m.valid() { "yes: no overlap" } else { "no: not valid; its boundary does not cross itself" };
+    if m.overlaps == 0 {
+        let text = if m.valid { "yes: no overlap" } else { "no: not valid; its boundary does not cross itself" };
         return text.to_owned();
     }
     let kinds =
@@ -218,16 +218,16 @@ fn injective_line(m: &Metrics) -> String {
     let kinds: Vec<String> =
         kinds.into_iter().filter(|kind| kind.0 > 0).map(|(n, one, all)| count(n, one, all)).collect();
     let pairs: Vec<String> = m.overlapping_faces.iter().take(PAIRS).map(|[a, b]| format!("{a} over {b}")).collect();
-    let more = if m.overlaps() > pairs.len() { ", …" } else { "" };
+    let more = if m.overlaps > pairs.len() { ", …" } else { "" };
     let named = if pairs.is_empty() {
         String::new()
     } else {
         format!(" (triangles {}{more}, counted from 0)", pairs.join(", "))
     };
-    format!("no: {} ({}){named}", count(m.overlaps(), "overlap", "overlaps"), kinds.join(", "))
+    format!("no: {} ({}){named}", count(m.overlaps, "overlap", "overlaps"), kinds.join(", "))
 }
 
-fn distortion_lines(m: &Metrics) -> Vec<(&'static str, String)> {
+fn distortion_lines(m: &Quality) -> Vec<(&'static str, String)> {
     let figure = |x| significant(x, DIGITS);
     let degrees = significant(m.max_angle_error.to_degrees(), DIGITS - 1);
     let mut lines = vec![

@@ -78,7 +78,7 @@ fn worst_first(a: &Record, b: &Record) -> Ordering {
 
 fn sentence(record: &Record) -> Option<String> {
     let remark = remark(record)?;
-    Some(match record.solver {
+    Some(match &record.solver {
         Some(solver) => format!("{solver}: {remark}"),
         None => remark,
     })
