@@ -24,12 +24,14 @@ use commands::survey::{Survey, survey};
 use commands::{fixtures, metrics};
 use record::Outcome;
 use record::failure::Failure;
+use run::cancel;
 use show::console;
 use std::process::ExitCode;
 
 /// Does what the command line asks for. Returns the program's exit code; a usage error ends the program with code 2.
 pub fn main() -> ExitCode {
-    ExitCode::from(run_command().exit_code())
+    let outcome = run_command();
+    ExitCode::from(if cancel::is_aborted() { cancel::INTERRUPTED } else { outcome.exit_code() })
 }
 
 /// Does what was asked for.

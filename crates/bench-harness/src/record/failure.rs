@@ -81,12 +81,6 @@ impl Failure {
         )
     }
 
-    /// A file that was changed while it was worked on.
-    pub(crate) fn changed(mesh: &str) -> Self {
-        let hint = "start again when nothing else writes it";
-        Self::new((FailureKind::Changed, hint), format!("{mesh}: the file was changed since it was read"))
-    }
-
     /// UVs that cannot be judged.
     pub(crate) fn metrics(mesh: &str, error: &MetricsError) -> Self {
         let at = location::metrics(error);

@@ -25,8 +25,6 @@ pub(crate) enum FailureKind {
     Cancelled,
     /// The file cannot be opened.
     CannotOpen,
-    /// The file changed while it was worked on.
-    Changed,
     /// A header claims more than the file holds.
     ClaimTooLarge,
     /// The surface has no boundary.

@@ -1,29 +1,42 @@
 //! Ctrl-C.
 
 use crate::show::console;
+use abf::Verdict;
 use std::process;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::thread;
+use std::time::Duration;
 
 /// The exit code of a program ended by an interrupt: 128 + SIGINT.
-const INTERRUPTED: i32 = 130;
+pub(crate) const INTERRUPTED: u8 = 130;
 
-/// Whether the user wants to stop.
+/// How long work may take to hear that it is to stop at once; then the program ends all the same. The solvers are asked
+/// far more often, but for reading a pipe and for single calls of a factorisation.
+const GRACE: Duration = Duration::from_millis(500);
+
+/// Whether the user has asked to leave at once.
+static ABORTED: AtomicBool = AtomicBool::new(false);
+
+/// How often the user has asked to stop.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Cancel(Arc<AtomicBool>);
+pub(crate) struct Cancel(Arc<AtomicU8>);
 
 impl Cancel {
-    /// Listens to Ctrl-C and termination signals. The first asks the solver to return the best it
-    /// has; the second ends the program at once. Files are renamed into place when they are
-    /// complete, so neither leaves a half-written one.
+    /// Listens to Ctrl-C and termination signals. The first asks the solver to return the best it has. The second asks it
+    /// to stop at once, without a result, and ends the program where that is not heard. Files are renamed into place when
+    /// they are complete, so neither leaves a half-written one.
     pub(crate) fn on_ctrl_c() -> Self {
         let cancel = Self::default();
-        let flag = Arc::clone(&cancel.0);
+        let asked = Arc::clone(&cancel.0);
         let handler = move || {
-            if flag.swap(true, Ordering::Relaxed) {
-                process::exit(INTERRUPTED);
+            if asked.fetch_add(1, Ordering::Relaxed) == 0 {
+                console::words("stopping with the best so far; once more to leave at once\n");
+            } else {
+                ABORTED.store(true, Ordering::Relaxed);
+                thread::sleep(GRACE);
+                process::exit(INTERRUPTED.into());
             }
-            console::words("stopping with the best so far; once more to leave at once\n");
         };
         // Without a handler Ctrl-C ends the program at once, which is no reason not to start.
         let _ = ctrlc::set_handler(handler);
@@ -32,6 +45,37 @@ impl Cancel {
 
     /// Whether the user has asked to stop.
     pub(crate) fn is_asked(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.0.load(Ordering::Relaxed) > 0
+    }
+
+    /// What a solver is told.
+    pub(crate) fn verdict(&self) -> Verdict {
+        match self.0.load(Ordering::Relaxed) {
+            0 => Verdict::Continue,
+            1 => Verdict::Stop,
+            _ => Verdict::Abort,
+        }
+    }
+}
+
+/// Whether the user has asked to leave at once: whatever the outcome, the program was interrupted.
+pub(crate) fn is_aborted() -> bool {
+    ABORTED.load(Ordering::Relaxed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_question_stops_and_the_second_aborts() {
+        let cancel = Cancel::default();
+        let told = [(); 3].map(|()| {
+            let verdict = cancel.verdict();
+            cancel.0.fetch_add(1, Ordering::Relaxed);
+            verdict
+        });
+        assert_eq!(told, [Verdict::Continue, Verdict::Stop, Verdict::Abort]);
+        assert!(cancel.is_asked());
     }
 }

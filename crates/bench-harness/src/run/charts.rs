@@ -33,11 +33,11 @@ pub(crate) fn charts(
     observer: &mut (dyn Observer + Send),
 ) -> Result<Charts, Failure> {
     let begin = Instant::now();
-    let mesh = &loaded.mesh;
-    let known = loaded.known_of_faces(charting.seams == SeamsFrom::File)?;
+    let mesh = loaded.mesh();
+    let known = loaded.known_of_faces(charting.seams == SeamsFrom::File);
     let keeps = charting.seams != SeamsFrom::Auto;
     let hints = SurfaceHints {
-        uv: loaded.uv.as_ref().filter(|_| keeps),
+        uv: loaded.uv().filter(|_| keeps),
         face_labels: known.labels.as_deref().filter(|_| keeps),
         forbidden: known.forbidden.as_deref(),
     };

@@ -5,12 +5,11 @@ use crate::record::{Record, Size};
 use crate::run::cancel::Cancel;
 use crate::run::memory::HeapWatch;
 use crate::run::progress::Progress;
-use crate::run::source::{Gltf, Source};
+use crate::run::source::{Document, Gltf, Source, holds_more};
 use crate::show::console;
-use abf_mesh::io::{ObjDocument, ReadNotes, read_bytes};
+use abf_mesh::io::ObjDocument;
 use abf_mesh::{TriMesh, UvMap, VertexId};
 use std::collections::{BTreeMap, HashSet};
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// A mesh and what is known of it.
@@ -18,16 +17,8 @@ use std::time::Instant;
 pub(crate) struct Loaded {
     /// What it is called in the output.
     pub(crate) name: String,
-    /// Vertices and triangles.
-    pub(crate) mesh: TriMesh,
-    /// The UVs it has.
-    pub(crate) uv: Option<UvMap>,
-    /// The document, if it is a glTF.
-    pub(crate) gltf: Option<Box<Gltf>>,
-    /// The file, if it is an OBJ.
-    obj: Option<PathBuf>,
-    /// Whether that holds more than vertices and faces, comments aside.
-    more: bool,
+    /// What was read.
+    document: Document,
     /// What reading did beyond copying.
     pub(crate) notes: Vec<String>,
     /// Whether polygons were cut into triangles.
@@ -66,48 +57,61 @@ impl Loaded {
         let heap = HeapWatch::start();
         let _progress = Progress::new(&name, cancel);
         let begin = Instant::now();
-        let (file, gltf) = source.read()?;
+        let document = source.read()?;
         let read_s = begin.elapsed().as_secs_f64();
-        let notes = file.notes.sentences();
-        let (obj, more) = (source.obj().cloned(), holds_more(&file.notes) || file.uv.is_some());
-        let (mesh, uv, fanned) = (file.mesh, file.uv, file.notes.polygons_fanned > 0);
+        let notes = document.file().notes.sentences();
+        let fanned = document.file().notes.polygons_fanned > 0;
         let (bytes, peak_of_reading) = (heap.bytes(), heap.peak_bytes());
-        Ok(Self { name, mesh, uv, gltf, obj, more, notes, fanned, read_s, bytes, peak_of_reading })
+        Ok(Self { name, document, notes, fanned, read_s, bytes, peak_of_reading })
+    }
+
+    /// Vertices and triangles.
+    pub(crate) fn mesh(&self) -> &TriMesh {
+        &self.document.file().mesh
+    }
+
+    /// The UVs that the file has.
+    pub(crate) fn uv(&self) -> Option<&UvMap> {
+        self.document.file().uv.as_ref()
+    }
+
+    /// The document, if it is a glTF.
+    pub(crate) fn gltf(&self) -> Option<&Gltf> {
+        match &self.document {
+            Document::Gltf(gltf) => Some(gltf),
+            Document::Obj(_) | Document::Plain(_) => None,
+        }
     }
 
     /// Whether it is a glTF document.
     pub(crate) fn is_gltf(&self) -> bool {
-        self.gltf.is_some()
+        self.gltf().is_some()
     }
 
     /// The text of an OBJ that holds more than a mesh, to be written with other UVs; `None` for other files.
-    ///
-    /// # Errors
-    /// When the file cannot be read again, or was changed meanwhile.
-    pub(crate) fn obj(&self) -> Result<Option<ObjDocument>, Failure> {
-        let Some(path) = self.obj.as_ref().filter(|path| self.more || has_comments(path)) else { return Ok(None) };
-        let document = ObjDocument::read(path).map_err(|error| Failure::read(&error))?;
-        if document.file().mesh != self.mesh {
-            return Err(Failure::changed(&self.name));
+    pub(crate) fn obj(&self) -> Option<&ObjDocument> {
+        match &self.document {
+            Document::Obj(document) => Some(document),
+            Document::Gltf(_) | Document::Plain(_) => None,
         }
-        Ok(Some(document))
     }
 
     /// Whether the file has materials, normals or anything else besides vertices, faces and UVs.
     pub(crate) fn holds_more(&self) -> bool {
-        self.gltf.is_some() || (self.obj.is_some() && self.more)
+        match &self.document {
+            Document::Gltf(_) => true,
+            Document::Obj(document) => holds_more(document.file()),
+            Document::Plain(_) => false,
+        }
     }
 
     /// What the file knows of its faces; groups only if `with_groups`.
-    ///
-    /// # Errors
-    /// As [`Self::obj`].
-    pub(crate) fn known_of_faces(&self, with_groups: bool) -> Result<Known, Failure> {
-        if let Some(gltf) = &self.gltf {
+    pub(crate) fn known_of_faces(&self, with_groups: bool) -> Known {
+        if let Some(gltf) = self.gltf() {
             let materials = Some(gltf.materials.clone());
-            return Ok(Known { labels: materials.clone().filter(|_| with_groups), materials, forbidden: None });
+            return Known { labels: materials.clone().filter(|_| with_groups), materials, forbidden: None };
         }
-        let Some(document) = self.obj()? else { return Ok(Known::default()) };
+        let Some(document) = self.obj() else { return Known::default() };
         let (groups, materials) = (&document.groups().of_faces, &document.materials().of_faces);
         let mut pairs = BTreeMap::new();
         let pair = |(&group, &material): (&u32, &u32)| {
@@ -115,11 +119,8 @@ impl Loaded {
             *pairs.entry((group, material)).or_insert(next)
         };
         let labels = with_groups.then(|| groups.iter().zip(materials).map(pair).collect());
-        Ok(Known {
-            labels,
-            materials: Some(materials.clone()),
-            forbidden: self.fanned.then(|| self.diagonals(&document)),
-        })
+        let forbidden = self.fanned.then(|| self.diagonals(document));
+        Known { labels, materials: Some(materials.clone()), forbidden }
     }
 
     /// For every corner whether it faces an edge that a polygon was cut along.
@@ -127,12 +128,12 @@ impl Loaded {
         let ends = |a: VertexId, b: VertexId| [a.min(b), a.max(b)];
         let diagonals: HashSet<[VertexId; 2]> = document.diagonals().into_iter().map(|[a, b]| ends(a, b)).collect();
         let faces = |&[a, b, c]: &[VertexId; 3]| [ends(b, c), ends(c, a), ends(a, b)];
-        self.mesh.faces().iter().flat_map(faces).map(|edge| diagonals.contains(&edge)).collect()
+        self.mesh().faces().iter().flat_map(faces).map(|edge| diagonals.contains(&edge)).collect()
     }
 
     /// A record of what is known so far.
     pub(crate) fn record(&self) -> Record {
-        let size = Some(Size::of(&self.mesh, None));
+        let size = Some(Size::of(self.mesh(), None));
         Record { mesh: self.name.clone(), size, notes: self.notes.clone(), ..Record::default() }
     }
 
@@ -157,16 +158,6 @@ pub(crate) struct Known {
     pub(crate) materials: Option<Vec<u32>>,
     /// For every corner whether the edge that it faces may not be a seam.
     pub(crate) forbidden: Option<Vec<bool>>,
-}
-
-/// Whether there may be comments in an OBJ; what cannot be read is told by who reads it next.
-fn has_comments(path: &Path) -> bool {
-    read_bytes(path).is_ok_and(|bytes| bytes.contains(&b'#'))
-}
-
-/// Whether a file holds more than a writer of meshes would write again.
-fn holds_more(notes: &ReadNotes) -> bool {
-    notes.polygons_fanned > 0 || !notes.ignored.is_empty() || !notes.material_libraries.is_empty()
 }
 
 /// The record of a mesh that cannot be used, whatever the solver.

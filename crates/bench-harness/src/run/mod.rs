@@ -60,12 +60,12 @@ pub(crate) fn flatten(
     with_curves: bool,
     cancel: &Cancel,
 ) -> Flattened {
-    let solver = method.pipeline.solver.to_string();
+    let solver = method.pipeline.solver.name().to_owned();
     let mut record = Record { solver: Some(solver.clone()), ..loaded.record() };
-    if let Some(not_run) = method.not_run(&loaded.mesh) {
+    if let Some(not_run) = method.not_run(loaded.mesh()) {
         return Record { not_run: Some(not_run), ..record }.into();
     }
-    let (triangles, vertices) = (loaded.mesh.face_count(), loaded.mesh.vertex_count());
+    let (triangles, vertices) = (loaded.mesh().face_count(), loaded.mesh().vertex_count());
     record.predicted_memory_bytes = Some(abf::predict_memory(&method.pipeline.solver, triangles, vertices));
     if cancel.is_asked() {
         return Record { error: Some(Failure::cancelled(&loaded.name)), ..record }.into();
@@ -76,7 +76,7 @@ pub(crate) fn flatten(
         return in_charts(loaded, method, charting, cancel, record);
     }
     let mut progress = watch(loaded, method, cancel).with_curves(with_curves);
-    let mesh = &loaded.mesh;
+    let mesh = loaded.mesh();
     // Inside the pool once, and not anew for every loop that is shared out.
     let flat = match (rayon::scope(|_| method.pipeline.run(mesh, &mut progress)), charting) {
         (Ok(flat), _) => flat,
@@ -88,13 +88,13 @@ pub(crate) fn flatten(
     progress.end_stages();
     // What was flattened is a disk.
     let (interior_vertices, boundary_loops) = (Some(flat.interior_vertices), Some(1));
-    record.size = Some(Size { interior_vertices, boundary_loops, ..Size::of(&loaded.mesh, None) });
+    record.size = Some(Size { interior_vertices, boundary_loops, ..Size::of(loaded.mesh(), None) });
     record.run = Some(Run::new(&method.pipeline, &flat, &progress.rungs()));
 
     progress.say("metrics");
     let judging = Instant::now();
     // Both formats hold doubles exactly, so these are the UVs as written.
-    match flat.metrics(&loaded.mesh) {
+    match flat.metrics(loaded.mesh()) {
         Ok(metrics) => record.quality = Some(Quality::new(&metrics)),
         Err(error) => record.error = Some(Failure::metrics(&loaded.name, &error)),
     }
@@ -148,18 +148,18 @@ fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Can
         Ok(charts) => charts,
         Err(failure) => {
             let mesh_is_unusable = failure.kind.is_of_the_mesh();
-            let record = Record { size: Some(Size::of(&loaded.mesh, None)), error: Some(failure), ..record };
+            let record = Record { size: Some(Size::of(loaded.mesh(), None)), error: Some(failure), ..record };
             return Flattened { mesh_is_unusable, ..record.into() };
         }
     };
     let elapsed = begin.elapsed().as_secs_f64();
-    record.size = Some(Size::of(&loaded.mesh, None));
+    record.size = Some(Size::of(loaded.mesh(), None));
     record.notes.extend(atlas.repairs.iter().cloned());
     record.atlas = Some(atlas);
     record.quality = Some(Quality::new(&packed.metrics));
     record.timings_s = Some(Timings {
         read: loaded.read_s,
-        stages: Stages { flatten: charts_s, ..Stages::default() },
+        stages: Stages { flatten: charts_s, flatten_cpu: None, ..progress.stages() },
         charts: charts_s,
         atlas: elapsed - charts_s,
         total: loaded.read_s + elapsed,
@@ -180,7 +180,7 @@ pub(crate) fn flatten_again(
     cancel: &Cancel,
 ) -> Result<(Fingerprint, Stages), Failure> {
     let mut progress = watch(loaded, method, cancel);
-    let mesh = &loaded.mesh;
+    let mesh = loaded.mesh();
     let flat = rayon::scope(|_| method.pipeline.run(mesh, &mut progress));
     progress.end_stages();
     match flat {
@@ -208,7 +208,7 @@ fn refused(loaded: &Loaded, record: Record, error: &FlattenError) -> Flattened {
         FlattenError::Geometry(_) | FlattenError::Topology(_) | FlattenError::NotADisk(_) | FlattenError::Problem(_)
     );
     let failure = Failure::flatten(&loaded.name, error, loaded.fanned);
-    let size = Some(size_of_refused(&loaded.mesh, error));
+    let size = Some(size_of_refused(loaded.mesh(), error));
     let solver = record.solver.clone().filter(|_| !mesh_is_unusable);
     let record = Record { size, solver, error: Some(failure), ..record };
     Flattened { mesh_is_unusable, ..record.into() }

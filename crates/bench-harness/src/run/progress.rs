@@ -4,9 +4,10 @@
 use crate::record::Stages;
 use crate::record::history::Curves;
 use crate::run::cancel::Cancel;
-use abf::{Event, Observer, Stage, Verdict};
+use abf::{Event, Observer, Place, Stage, Verdict};
 use cpu_time::ProcessTime;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::collections::BTreeMap;
 use std::io::{self, IsTerminal};
 use std::sync::LazyLock;
 use std::sync::mpsc::{self, Sender};
@@ -25,8 +26,8 @@ static LINES: LazyLock<MultiProgress> = LazyLock::new(MultiProgress::new);
 pub(crate) struct Progress<'a> {
     cancel: &'a Cancel,
     line: Option<Line>,
-    /// When each stage began.
-    starts: Vec<(Stage, Instant)>,
+    /// When each stage of each component began.
+    starts: BTreeMap<usize, Vec<(Stage, Instant)>>,
     /// When each rung of a ladder began.
     rungs: Vec<Instant>,
     /// When the last stage ended.
@@ -41,7 +42,7 @@ impl<'a> Progress<'a> {
     /// Starts watching work of that name.
     pub(crate) fn new(name: &str, cancel: &'a Cancel) -> Self {
         let line = io::stderr().is_terminal().then(|| Line::new(name));
-        Self { cancel, line, starts: Vec::new(), rungs: Vec::new(), end: None, cpu: Cpu::default(), curves: None }
+        Self { cancel, line, starts: BTreeMap::new(), rungs: Vec::new(), end: None, cpu: Cpu::default(), curves: None }
     }
 
     /// Collects the curves of inner solves, if `wanted`.
@@ -84,11 +85,14 @@ impl<'a> Progress<'a> {
         self.rungs.iter().zip(ends).map(|(start, end)| end.duration_since(*start).as_secs_f64()).collect()
     }
 
-    /// How long a stage took, in seconds, every time it came; 0 if there was none.
+    /// How long a stage took, in seconds, every time it came, of all components together; 0 if there was none.
     fn seconds(&self, stage: Stage) -> f64 {
-        let ends = self.starts.iter().skip(1).map(|&(_, start)| start).chain([self.end()]);
-        let of_this = self.starts.iter().zip(ends).filter(|((s, _), _)| *s == stage);
-        of_this.map(|((_, start), end)| end.duration_since(*start).as_secs_f64()).sum()
+        let of_component = |starts: &Vec<(Stage, Instant)>| {
+            let ends = starts.iter().skip(1).map(|&(_, start)| start).chain([self.end()]);
+            let of_this = starts.iter().zip(ends).filter(|((s, _), _)| *s == stage);
+            of_this.map(|((_, start), end)| end.duration_since(*start).as_secs_f64()).sum::<f64>()
+        };
+        self.starts.values().map(of_component).sum()
     }
 
     fn end(&self) -> Instant {
@@ -122,16 +126,23 @@ impl Cpu {
 
 impl Observer for Progress<'_> {
     fn observe(&mut self, event: Event<'_>) -> Verdict {
+        self.observe_at(Place::default(), event)
+    }
+
+    fn observe_at(&mut self, place: Place, event: Event<'_>) -> Verdict {
+        if let Some(line) = self.line.as_ref().filter(|_| place.components > 1) {
+            line.components(place.components_done, place.components);
+        }
         match event {
             Event::StageStarted(stage) => {
                 self.cpu.stage(stage);
-                self.starts.push((stage, Instant::now()));
-                self.say(match stage {
+                self.starts.entry(place.component).or_default().push((stage, Instant::now()));
+                self.say(at(place, match stage {
                     Stage::Topology => "topology",
                     Stage::Solve => "solving",
                     Stage::Certificate => "certificate",
                     _ => "layout",
-                });
+                }));
             }
             Event::RungStarted(_) => {
                 self.rungs.push(Instant::now());
@@ -147,11 +158,21 @@ impl Observer for Progress<'_> {
                 if let Some(curves) = &mut self.curves {
                     curves.outer();
                 }
-                self.say(format!("solving: {} done, residual {:.1e}", record.iteration, record.constraint_residual));
+                let done = format!("solving: {} done, residual {:.1e}", record.iteration, record.constraint_residual);
+                self.say(at(place, &done));
             }
             _ => {}
         }
-        if self.cancel.is_asked() { Verdict::Stop } else { Verdict::Continue }
+        self.cancel.verdict()
+    }
+}
+
+/// What is being done, and where: the component and the round, of a mesh that is made into charts.
+fn at(place: Place, what: &str) -> String {
+    match place {
+        Place { charts: 0, .. } => what.to_owned(),
+        Place { components: 0 | 1, round, .. } => format!("round {}: {what}", round + 1),
+        Place { component, round, .. } => format!("component {}, round {}: {what}", component + 1, round + 1),
     }
 }
 
@@ -178,6 +199,17 @@ impl Line {
         });
         Self { bar, _end: end }
     }
+
+    /// So many components are done of so many: there is something to draw a bar of.
+    fn components(&self, done: usize, all: usize) {
+        let all = all as u64;
+        if self.bar.length() != Some(all) {
+            let style = ProgressStyle::with_template("{spinner} {prefix}: {bar:20} {pos}/{len} {msg} ({elapsed})");
+            self.bar.set_style(style.expect("a template without unknown keys"));
+            self.bar.set_length(all);
+        }
+        self.bar.set_position(done as u64);
+    }
 }
 
 impl Drop for Line {
@@ -200,11 +232,27 @@ mod tests {
         }
         progress.end_stages();
         thread::sleep(Duration::from_millis(5));
-        let whole = progress.end.expect("ended").duration_since(progress.starts[0].1).as_secs_f64();
+        let whole = progress.end.expect("ended").duration_since(progress.starts[&0][0].1).as_secs_f64();
         let stages = progress.stages();
         assert!((whole - stages.flatten).abs() < 1e-9);
         assert!(stages.solve >= 0.005);
         assert_eq!(stages.layout, 0.0);
+    }
+
+    #[test]
+    fn stages_of_components_side_by_side_are_timed_apart_and_the_place_is_said() {
+        let cancel = Cancel::default();
+        let mut progress = Progress::new("a mesh", &cancel);
+        let mut second = Place::default();
+        (second.component, second.components, second.charts, second.round) = (1, 3, 1, 1);
+        progress.observe_at(Place::default(), Event::StageStarted(Stage::Solve));
+        progress.observe_at(second, Event::StageStarted(Stage::Solve));
+        thread::sleep(Duration::from_millis(5));
+        progress.end_stages();
+        // Both go on at the same time: together they take twice as long.
+        assert!(progress.stages().solve >= 0.010);
+        assert_eq!(at(Place::default(), "layout"), "layout");
+        assert_eq!(at(second, "layout"), "component 2, round 2: layout");
     }
 
     #[test]

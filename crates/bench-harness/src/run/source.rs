@@ -1,7 +1,7 @@
 //! Where a mesh comes from.
 
 use crate::record::failure::Failure;
-use abf_mesh::io::{GltfDocument, MeshFile, MeshFormat, ReadNotes, read};
+use abf_mesh::io::{GltfDocument, MeshFile, MeshFormat, ObjDocument, ReadNotes, read};
 use abf_shapes::{DEFAULT_FIXTURE, Fixture, fixtures};
 use std::fs;
 use std::path::PathBuf;
@@ -25,14 +25,6 @@ impl Source {
         }
     }
 
-    /// Its file, if that is an OBJ.
-    pub(crate) fn obj(&self) -> Option<&PathBuf> {
-        match self {
-            Self::File(path) if MeshFormat::of_input(path) == Some(MeshFormat::Obj) => Some(path),
-            _ => None,
-        }
-    }
-
     /// About how many bytes reading it takes at most, the mesh included; 0 where that cannot be told.
     pub(crate) fn memory_to_read(&self) -> u64 {
         /// Bytes in memory per byte of a file: a binary STL, whose corners are compared, has the most.
@@ -43,11 +35,11 @@ impl Source {
         }
     }
 
-    /// Reads it; of a glTF the document, too.
+    /// Reads and parses it, once: the document is kept for writing.
     ///
     /// # Errors
     /// What is wrong with the file.
-    pub(crate) fn read(&self) -> Result<(MeshFile, Option<Box<Gltf>>), Failure> {
+    pub(crate) fn read(&self) -> Result<Document, Failure> {
         let failed = |error| Failure::read(&error);
         match self {
             Self::File(path) => match MeshFormat::of_input(path) {
@@ -56,16 +48,51 @@ impl Source {
                     let surface = document.surface().map_err(failed)?;
                     let materials = surface.material_of_faces();
                     let file = MeshFile { mesh: surface.mesh, uv: surface.uv, notes: surface.notes };
-                    Ok((file, Some(Box::new(Gltf { document, materials }))))
+                    Ok(Document::Gltf(Box::new(Gltf { document, file, materials })))
                 }
-                _ => Ok((read(path).map_err(failed)?, None)),
+                Some(MeshFormat::Obj) if !path.is_dir() => {
+                    let document = ObjDocument::read(path).map_err(failed)?;
+                    // A writer of meshes would write all there is in it.
+                    let is_plain = !holds_more(document.file()) && !document.has_comments();
+                    Ok(if is_plain { Document::Plain(document.into_file()) } else { Document::Obj(Box::new(document)) })
+                }
+                _ => Ok(Document::Plain(read(path).map_err(failed)?)),
             },
             Self::Builtin => {
-                let file = MeshFile { mesh: default_fixture().mesh(), uv: None, notes: ReadNotes::default() };
-                Ok((file, None))
+                let mesh = default_fixture().mesh();
+                Ok(Document::Plain(MeshFile { mesh, uv: None, notes: ReadNotes::default() }))
             }
         }
     }
+}
+
+/// What was read.
+#[derive(Debug)]
+pub(crate) enum Document {
+    /// An OBJ that holds more than the mesh, to be written with other UVs.
+    Obj(Box<ObjDocument>),
+    /// A glTF, to be written with other UVs.
+    Gltf(Box<Gltf>),
+    /// A file of which the mesh is all.
+    Plain(MeshFile),
+}
+
+impl Document {
+    /// The mesh, its UVs, and what there is to say of them.
+    pub(crate) fn file(&self) -> &MeshFile {
+        match self {
+            Self::Obj(document) => document.file(),
+            Self::Gltf(gltf) => &gltf.file,
+            Self::Plain(file) => file,
+        }
+    }
+}
+
+/// Whether an OBJ holds more than vertices and faces, comments aside.
+pub(crate) fn holds_more(file: &MeshFile) -> bool {
+    let notes = &file.notes;
+    let has_more = notes.polygons_fanned > 0 || !notes.ignored.is_empty() || !notes.material_libraries.is_empty();
+    has_more || file.uv.is_some()
 }
 
 /// A glTF document, to be written with other UVs.
@@ -73,6 +100,8 @@ impl Source {
 pub(crate) struct Gltf {
     /// Everything in it.
     pub(crate) document: GltfDocument,
+    /// Its surface.
+    file: MeshFile,
     /// The material of every face of its surface.
     pub(crate) materials: Vec<u32>,
 }

@@ -31,7 +31,7 @@ impl Report {
     /// Adds a mesh with its results; a mesh that could not be read has none.
     pub(super) fn add(&mut self, name: &str, loaded: Option<&Loaded>, runs: &[Flattened]) {
         let runs = runs.iter().map(row).collect();
-        let section = MeshSection { name, mesh: loaded.map(|loaded| &loaded.mesh), runs };
+        let section = MeshSection { name, mesh: loaded.map(Loaded::mesh), runs };
         self.meshes.push(MeshFragment::render(&section));
     }
 

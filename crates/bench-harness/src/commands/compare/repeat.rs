@@ -20,7 +20,7 @@ pub(super) struct Runs {
 /// Flattens a mesh several times. The figures are those of the first measured run, the times the
 /// medians of all. What has no result the first time is not tried again.
 pub(super) fn repeated(loaded: &Loaded, method: &Method, runs: Runs, cancel: &Cancel) -> Flattened {
-    if method.not_run(&loaded.mesh).is_none() {
+    if method.not_run(loaded.mesh()).is_none() {
         for _ in 0..runs.warmup {
             if cancel.is_asked() || flatten_again(loaded, method, cancel).is_err() {
                 break;

@@ -23,7 +23,7 @@ pub(super) fn write_files(
     seams: &[[VertexId; 2]],
     record: &mut Record,
 ) -> Result<(), Failure> {
-    let (mesh, charting) = (&loaded.mesh, &settings.charting);
+    let (mesh, charting) = (loaded.mesh(), &settings.charting);
     let begin = Instant::now();
     let mut remap = None;
     let written = settings.output.as_deref().map(|path| {
@@ -72,7 +72,7 @@ struct Kept {
 /// Writes the mesh; a glTF or an OBJ stays what it was but for its UVs, if it goes to its own format.
 fn write(path: &Path, loaded: &Loaded, uv: &UvMap, overwrite: bool) -> Result<Kept, Failure> {
     let failed = |error| Failure::write(path, &error);
-    match (MeshFormat::from_path(path), &loaded.gltf) {
+    match (MeshFormat::from_path(path), loaded.gltf()) {
         (Some(format), Some(gltf)) if format.is_gltf() => {
             let mut document = gltf.document.clone();
             let remap = document.set_uvs(uv, GltfTexcoords { set: None, overwrite }).map_err(failed)?;
@@ -82,7 +82,7 @@ fn write(path: &Path, loaded: &Loaded, uv: &UvMap, overwrite: bool) -> Result<Ke
             return Ok(Kept { remap: Some(remap.to_json()), notes });
         }
         (Some(MeshFormat::Obj), _) => {
-            if let Some(document) = loaded.obj()? {
+            if let Some(document) = loaded.obj() {
                 let written = document.write(path, uv).map_err(failed)?;
                 let split = count(written.polygons_split, "polygon", "polygons");
                 let notes = vec![format!("{split} written as triangles, because seams cross them")];
@@ -94,7 +94,7 @@ fn write(path: &Path, loaded: &Loaded, uv: &UvMap, overwrite: bool) -> Result<Ke
         }
         _ => {}
     }
-    io::write(path, &loaded.mesh, Some(uv)).map_err(failed)?;
+    io::write(path, loaded.mesh(), Some(uv)).map_err(failed)?;
     let mut notes = Vec::new();
     if loaded.holds_more() {
         notes.push(
@@ -103,7 +103,7 @@ fn write(path: &Path, loaded: &Loaded, uv: &UvMap, overwrite: bool) -> Result<Ke
         );
     }
     let to_gltf = MeshFormat::from_path(path).is_some_and(MeshFormat::is_gltf);
-    let merged = if to_gltf { merged_faces(&loaded.mesh) } else { 0 };
+    let merged = if to_gltf { merged_faces(loaded.mesh()) } else { 0 };
     if merged > 0 {
         let faces = count(merged, "face has", "faces have");
         let way_out = "move the mesh to the origin, or write an obj or ply";

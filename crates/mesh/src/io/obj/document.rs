@@ -10,6 +10,7 @@ mod pen;
 use std::collections::HashMap;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+use std::sync::OnceLock;
 
 use super::super::WriteError;
 use super::super::blocks::check;
@@ -36,10 +37,17 @@ pub struct ObjDocument {
     name: String,
     bytes: Vec<u8>,
     file: MeshFile,
+    /// The polygons that are no fans.
+    inside: Inside,
+    /// What a pass over the statements finds, when it is asked for.
+    statements: OnceLock<Statements>,
+}
+
+/// What the statements say besides the mesh.
+#[derive(Clone, Debug)]
+struct Statements {
     /// For every polygon how many triangles it became.
     polygons: Vec<u32>,
-    /// Those that are no fans.
-    inside: Inside,
     groups: Labels,
     materials: Labels,
 }
@@ -71,31 +79,7 @@ impl ObjDocument {
     pub fn parse(name: &str, bytes: Vec<u8>) -> Result<Self, ReadError> {
         check_readable(MeshFormat::Obj, name, &bytes)?;
         let (file, inside) = super::parse_with_polygons(name, &bytes)?;
-        let mut scan = Scan::default();
-        let mut lines = Lines::new(name, &bytes);
-        while let Some(line) = lines.next_joined() {
-            let text = line.text();
-            let mut words = Words::of(text);
-            // Most lines are vertices, which are not looked at.
-            match words.next() {
-                Some(b"f" | b"fo") => scan.polygon(words.count()),
-                Some(b"g") => (scan.group, scan.groups.current) = (words.remainder(), None),
-                Some(b"o") => (scan.object, scan.groups.current) = (words.remainder(), None),
-                Some(b"usemtl") => (scan.material, scan.materials.current) = (words.remainder(), None),
-                _ => {}
-            }
-        }
-        debug_assert_eq!(scan.groups.labels.of_faces.len(), file.mesh.face_count());
-        let Scan { polygons, groups, materials, .. } = scan;
-        Ok(Self {
-            name: name.to_owned(),
-            file,
-            polygons,
-            inside,
-            groups: groups.labels,
-            materials: materials.labels,
-            bytes,
-        })
+        Ok(Self { name: name.to_owned(), bytes, file, inside, statements: OnceLock::new() })
     }
 
     /// The mesh, as [`read`](crate::io::read) gives it.
@@ -104,16 +88,28 @@ impl ObjDocument {
         &self.file
     }
 
+    /// The mesh alone; the text is given back.
+    #[must_use]
+    pub fn into_file(self) -> MeshFile {
+        self.file
+    }
+
+    /// Whether the text has comments, which a writer of meshes would not write again.
+    #[must_use]
+    pub fn has_comments(&self) -> bool {
+        self.bytes.contains(&b'#')
+    }
+
     /// The groups of the triangles: object (`o`) and group (`g`), with ` / ` between if there are both.
     #[must_use]
     pub fn groups(&self) -> &Labels {
-        &self.groups
+        &self.statements().groups
     }
 
     /// The materials of the triangles (`usemtl`); an empty name before the first.
     #[must_use]
     pub fn materials(&self) -> &Labels {
-        &self.materials
+        &self.statements().materials
     }
 
     /// The edges that polygons were cut along, which the file does not have: no seam should run there.
@@ -122,7 +118,7 @@ impl ObjDocument {
         let faces = self.file.mesh.faces();
         let mut out = Vec::new();
         let mut first = 0;
-        for (number, &triangles) in self.polygons.iter().enumerate() {
+        for (number, &triangles) in self.statements().polygons.iter().enumerate() {
             let next = first + triangles as usize;
             match self.inside.get(&number) {
                 // Every triangle of a fan but the last ends at a diagonal.
@@ -163,13 +159,21 @@ impl ObjDocument {
         written.map_err(|cause| WriteError::Io { target: "output".to_owned(), cause })
     }
 
+    fn statements(&self) -> &Statements {
+        self.statements.get_or_init(|| {
+            let Scan { polygons, groups, materials, .. } = Scan::of(&self.name, &self.bytes);
+            debug_assert_eq!(groups.labels.of_faces.len(), self.file.mesh.face_count());
+            Statements { polygons, groups: groups.labels, materials: materials.labels }
+        })
+    }
+
     fn fill(&self, out: &mut dyn Write, uv: &UvMap) -> io::Result<ObjWritten> {
         /// Bytes that are collected before they are written.
         const ENOUGH: usize = 1 << 16;
         let text = without_mark(&self.bytes);
         out.write_all(&self.bytes[..self.bytes.len() - text.len()])?;
         let mut pen = Pen { text, uv, out: Vec::new(), copied: 0, uvs_written: false, written: ObjWritten::default() };
-        let mut polygons = self.polygons.iter().enumerate();
+        let mut polygons = self.statements().polygons.iter().enumerate();
         let mut corners = uv.corners();
         // A mark is gone already.
         let mut lines = Lines::after(&self.name, text, 0);
@@ -213,6 +217,24 @@ struct Scan {
 }
 
 impl Scan {
+    fn of(name: &str, bytes: &[u8]) -> Self {
+        let mut scan = Self::default();
+        let mut lines = Lines::new(name, bytes);
+        while let Some(line) = lines.next_joined() {
+            let text = line.text();
+            let mut words = Words::of(text);
+            // Most lines are vertices, which are not looked at.
+            match words.next() {
+                Some(b"f" | b"fo") => scan.polygon(words.count()),
+                Some(b"g") => (scan.group, scan.groups.current) = (words.remainder(), None),
+                Some(b"o") => (scan.object, scan.groups.current) = (words.remainder(), None),
+                Some(b"usemtl") => (scan.material, scan.materials.current) = (words.remainder(), None),
+                _ => {}
+            }
+        }
+        scan
+    }
+
     fn polygon(&mut self, corners: usize) {
         // The reader refuses polygons of fewer than three corners, and more corners than ids can name.
         let triangles = corners.saturating_sub(2) as u32;
