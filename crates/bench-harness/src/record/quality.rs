@@ -65,7 +65,7 @@ pub(crate) struct Quality {
     /// The area of the surface.
     #[serde(with = "figure")]
     pub(crate) surface_area: f64,
-    /// How deep the boundary reaches into itself where it touches within rounding, UV units.
+    /// How deep the deepest of the touches crosses, UV units.
     #[serde(with = "figure")]
     pub(crate) touch_depth: f64,
     /// The least angle of the UVs, rad.

@@ -16,7 +16,7 @@ use super::settings::Asked;
 use super::size::{Kkt, Size};
 use super::surveyed::{About, Counts, FileState, LogHead, MadeWith, SurveyDocument, Surveyed};
 use super::times::{Repeats, Stages, Timings};
-use abf::{IterationRecord, LayoutKind, Pipeline, Precision, SolverKind, Termination, flatten};
+use abf::{IterationRecord, LayoutKind, Pipeline, Precision, Solver, SolverKind, Termination, flatten};
 use proptest::prelude::*;
 use proptest::test_runner::TestRng;
 use serde::Serialize;
@@ -84,7 +84,7 @@ impl Dice {
     }
 
     fn asked(&mut self) -> Asked {
-        let solver = self.one_of(&SolverKind::ALL);
+        let solver = self.one_of(&Solver::all());
         let asked = Asked::new(&Pipeline { solver, ..Pipeline::default() });
         Asked {
             passes: self.maybe(|dice| dice.one_of(&["auto", "3"]).parse().expect("passes")),
@@ -191,7 +191,7 @@ impl Dice {
 
     fn quality(&mut self) -> Quality {
         let [f, f_weighted, max_angle_error, stretch_l2, stretch_linf, qc_mean] = [(); 6].map(|()| self.figure());
-        let [qc_max, area_l2, uv_area, surface_area, uv_angle_min, uv_angle_max] = [(); 6].map(|()| self.figure());
+        let [qc_max, area_l2, uv_area, surface_area, touch_depth, uv_angle_min, uv_angle_max] = [(); 7].map(|()| self.figure());
         Quality {
             valid: self.yes(),
             injective: self.yes(),
@@ -216,6 +216,7 @@ impl Dice {
             area_l2,
             uv_area,
             surface_area,
+            touch_depth,
             uv_angle_min,
             uv_angle_max,
             flipped_faces: self.some(Self::count),

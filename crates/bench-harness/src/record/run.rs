@@ -5,8 +5,7 @@ use super::settings::Asked;
 use super::text;
 use crate::record::failure::chain;
 use abf::{
-    AngleSolution, Flattening, Hessian, IterationRecord, LayoutKind, Pipeline, RungReport, SolverKind, Termination,
-    WheelForm,
+    AngleSolution, Flattening, Hessian, IterationRecord, LayoutKind, Pipeline, RungReport, Termination, WheelForm,
 };
 use serde::{Deserialize, Serialize};
 

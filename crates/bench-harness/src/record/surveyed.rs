@@ -153,21 +153,23 @@ impl FileState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abf::{Pipeline, SolverKind, StopCriteria};
+    use abf::{Ladder, LinAbf, Pipeline, StopCriteria};
 
     #[test]
     fn the_setting_that_differs_is_named_with_both_values() {
         let made_with = |pipeline: &Pipeline| MadeWith {
             program: Program::this(),
-            solver: pipeline.solver.to_string(),
+            solver: pipeline.solver.name().to_owned(),
             settings: Asked::new(pipeline),
             disks_only: false,
         };
         let plain = made_with(&Pipeline::default());
+        let linabf = LinAbf { passes: "1".parse().expect("one") };
+        let one_pass = Ladder { linabf, ..Ladder::default() };
         let tight = StopCriteria { tolerance: 1e-9, ..StopCriteria::default() };
         for (other, expected) in [
-            (Pipeline { solver: SolverKind::LinAbf, ..Pipeline::default() }, ["solver", "auto", "linabf"]),
-            (Pipeline { passes: "1".parse().expect("one"), ..Pipeline::default() }, ["passes", "auto", "1"]),
+            (Pipeline { solver: LinAbf::default().into(), ..Pipeline::default() }, ["solver", "auto", "linabf"]),
+            (Pipeline { solver: one_pass.into(), ..Pipeline::default() }, ["passes", "auto", "1"]),
             (Pipeline { stop: tight, ..Pipeline::default() }, ["tolerance", "1e-8", "1e-9"]),
             (Pipeline { normalize: true, ..Pipeline::default() }, ["normalize", "false", "true"]),
         ] {

@@ -137,12 +137,15 @@ impl Observer for Progress<'_> {
             Event::StageStarted(stage) => {
                 self.cpu.stage(stage);
                 self.starts.entry(place.component).or_default().push((stage, Instant::now()));
-                self.say(at(place, match stage {
-                    Stage::Topology => "topology",
-                    Stage::Solve => "solving",
-                    Stage::Certificate => "certificate",
-                    _ => "layout",
-                }));
+                self.say(at(
+                    place,
+                    match stage {
+                        Stage::Topology => "topology",
+                        Stage::Solve => "solving",
+                        Stage::Certificate => "certificate",
+                        _ => "layout",
+                    },
+                ));
             }
             Event::RungStarted(_) => {
                 self.rungs.push(Instant::now());

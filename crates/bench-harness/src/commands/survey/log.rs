@@ -158,7 +158,7 @@ fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
 
 /// The results as a JSON document: that of every other command, and what was counted.
 pub(super) fn document(survey: &Survey, counts: &Counts, done: &[Surveyed]) -> String {
-    let solver = survey.method.pipeline.solver.to_string();
+    let solver = survey.method.pipeline.solver.name().to_owned();
     let about = About { solver, made_with: survey.made_with(), counts: counts.clone() };
     pretty(&SurveyDocument { head: Head::new(SCHEMA), survey: about, results: done.to_vec() })
 }

@@ -144,7 +144,8 @@ fn within(budget: &Budget, source: &Source, survey: &Survey, cancel: &Cancel) ->
     let (limit, to_read) = (pipeline.max_memory, source.memory_to_read());
     let mut share = budget.wait_for(to_read);
     let mut loaded = Loaded::read(source, limit, cancel)?;
-    let predicted = predict_memory(&pipeline.solver, loaded.mesh().face_count(), loaded.mesh().vertex_count()).max(to_read);
+    let predicted =
+        predict_memory(&pipeline.solver, loaded.mesh().face_count(), loaded.mesh().vertex_count()).max(to_read);
     // What may take more than there is either is refused or keeps within the limit by itself.
     let needed = predicted.min(limit.unwrap_or(u64::MAX));
     if !share.grow_to(needed) {

@@ -55,7 +55,7 @@ impl Survey {
     /// What results depend on. What was refused for want of memory is tried again anyway.
     pub(super) fn made_with(&self) -> MadeWith {
         let pipeline = &self.method.pipeline;
-        let (program, solver) = (Program::this(), pipeline.solver.to_string());
+        let (program, solver) = (Program::this(), pipeline.solver.name().to_owned());
         MadeWith { program, solver, settings: Asked::new(pipeline), disks_only: self.charting.is_none() }
     }
 

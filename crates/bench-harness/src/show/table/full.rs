@@ -1,10 +1,9 @@
 //! One record for people, in full.
 
-use crate::record::kinds::keeps_constraints;
 use crate::record::number::{count, megabytes, seconds, significant};
 use crate::record::{Asked, Kkt, Quality, Record, Run, Size, Timings};
 use crate::show::advice::ending;
-use abf::{Metrics, Precision};
+use abf::{Metrics, Precision, SolverKind};
 use std::fmt::Write;
 
 /// How many digits errors and stretch are shown with.
@@ -81,8 +80,8 @@ fn solver_line(solver: &str, run: &Run) -> String {
         parts.push(format!("by {}", run.solved_by));
     }
     parts.extend(asked.passes.map(|passes| format!("passes {passes}")));
-    // A method without angles takes none of these.
-    if solver.parse().is_ok_and(keeps_constraints) {
+    // A method without angles takes none of these; a solver of someone's own finds angles.
+    if solver.parse().map_or(true, SolverKind::keeps_constraints) {
         parts.push(match asked.ring_switch {
             Some(threshold) => format!("ring switch {threshold} rad ({} switched)", run.switched_rings),
             None => "ring switch off".to_owned(),
