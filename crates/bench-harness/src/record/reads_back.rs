@@ -191,7 +191,8 @@ impl Dice {
 
     fn quality(&mut self) -> Quality {
         let [f, f_weighted, max_angle_error, stretch_l2, stretch_linf, qc_mean] = [(); 6].map(|()| self.figure());
-        let [qc_max, area_l2, uv_area, surface_area, touch_depth, uv_angle_min, uv_angle_max] = [(); 7].map(|()| self.figure());
+        let [qc_max, area_l2, uv_area, surface_area, touch_depth, uv_angle_min, uv_angle_max] =
+            [(); 7].map(|()| self.figure());
         Quality {
             valid: self.yes(),
             injective: self.yes(),

@@ -11,6 +11,7 @@ mod interrupt;
 mod memory;
 mod metrics;
 mod models;
+mod names;
 mod refusals;
 mod solvers;
 mod support;
