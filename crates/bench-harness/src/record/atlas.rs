@@ -37,7 +37,7 @@ pub(crate) struct Atlas {
     /// The L² stretch aimed at.
     pub(crate) max_stretch: f64,
     /// Whether every chart has to be within it: not where the length of seams is limited.
-    #[serde(skip)]
+    #[serde(rename = "max_stretch_binds")]
     pub(crate) is_bound: bool,
     /// What was repaired, in words.
     pub(crate) repairs: Vec<String>,

@@ -131,6 +131,8 @@ pub(crate) enum FailureKind {
     TooFewCorners,
     /// There is more than 32-bit indices can name.
     TooLarge,
+    /// The charts do not fit onto the pages at the scale given.
+    NoRoom,
     /// The charts do not fit into an atlas.
     TooManyCharts,
     /// Something else is wrong with the topology.

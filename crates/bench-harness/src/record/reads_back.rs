@@ -166,6 +166,7 @@ impl Dice {
             injective: self.yes(),
             f: self.figure(),
             stretch_l2: self.figure(),
+            unfinished: self.yes(),
             seam_length: self.figure(),
             rounds: self.count(),
             holes_filled: self.count(),
@@ -185,6 +186,7 @@ impl Dice {
             seam_length: self.figure(),
             diagonal: self.figure(),
             max_stretch: self.number(),
+            is_bound: self.yes(),
             repairs: self.some(Self::text),
         }
     }
