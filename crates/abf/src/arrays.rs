@@ -25,6 +25,7 @@ use std::collections::HashMap;
 /// # Ok::<(), abf::ArrayError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct ArrayUnwrapper {
     /// Seams, holes and the solver.
     pub unwrap: Unwrap,

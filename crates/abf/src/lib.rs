@@ -41,7 +41,7 @@ pub use abf_solve_core as solve_core;
 pub use abf_constraints::{EstimateSettings, KktCounts, WheelForm};
 pub use abf_control::{
     Cancelled, Event, Fallback, IterationRecord, Observer, Place, SettingError, Silent, Stage, StopCriteria,
-    Termination, Verdict,
+    Termination, UnknownName, Verdict,
 };
 pub use abf_cut::Weld;
 pub use abf_metrics::{Certificate, Metrics, MetricsError, Precision};

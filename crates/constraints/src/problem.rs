@@ -14,6 +14,7 @@ const NO_SHAPE: f64 = 1e-6;
 
 /// How the estimate is made from the angles of the surface (LinABF §4.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct EstimateSettings {
     /// Rings whose deficit `|2π − Σα°|` is above this, in radians, start from their target angles
     /// instead of their own. `None` never switches. LinABF recommends 1.

@@ -13,12 +13,13 @@
 
 use crate::ConstraintRows;
 use crate::per_corner::per_corner;
+use abf_control::UnknownName;
 use abf_mesh::{CornerId, Topology, VertexId};
-use std::fmt;
-use std::str::FromStr;
 
 /// Which form of the wheel condition.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, strum::Display, strum::EnumString, strum::VariantNames)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum WheelForm {
     /// `Σ log sin x[next] − log sin x[prev]`.
     #[default]
@@ -41,25 +42,8 @@ impl WheelForm {
     }
 }
 
-impl fmt::Display for WheelForm {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Log => "log",
-            Self::Product => "product",
-        })
-    }
-}
-
-impl FromStr for WheelForm {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "log" => Ok(Self::Log),
-            "product" => Ok(Self::Product),
-            _ => Err(format!("unknown wheel form '{s}': log, product")),
-        }
-    }
+fn unknown(given: &str) -> UnknownName {
+    UnknownName::of::<WheelForm>("wheel form", given)
 }
 
 /// `log sin x[next] − log sin x[prev]` of one triangle of a ring.

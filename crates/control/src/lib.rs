@@ -11,7 +11,7 @@ mod observe;
 mod record;
 mod stop;
 
-pub use error::{Cancelled, SettingError};
+pub use error::{Cancelled, SettingError, UnknownName};
 pub use observe::{Checkpoint, Event, Observer, Place, Silent, Stage, Verdict, Watch, ask};
 pub use record::{Fallback, IterationRecord, Termination};
 pub use stop::{StopCriteria, TimeBudget};

@@ -6,6 +6,7 @@ use web_time::Instant;
 
 /// When a solver stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct StopCriteria {
     /// Converged means a constraint residual `max |h|` (log form, rad) of at most this …
     pub tolerance: f64,

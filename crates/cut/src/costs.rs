@@ -8,6 +8,7 @@ use rayon::prelude::*;
 ///
 /// The cost of an edge is its length · (1 − crease · t) · (1 − hidden · k). Both settings are in [0, 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct CostSettings {
     /// How much creases are preferred. t = min(1, θ/60°)², with θ the angle between the normals of the two faces.
     pub crease: f64,

@@ -1,14 +1,27 @@
 //! Holes, closed by virtual faces.
 
 use crate::seams::edges_at;
+use abf_control::UnknownName;
 use abf_mesh::{BoundaryLoop, Point3, Topology, TopologyError, TriMesh, Vector3, VertexId};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashSet};
-use std::fmt;
-use std::str::FromStr;
 
 /// How a hole is closed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    Hash,
+    strum::Display,
+    strum::EnumString,
+    strum::IntoStaticStr,
+    strum::VariantNames,
+)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum HoleFilling {
     /// A fan around a new vertex in the middle of the rim.
     Fan,
@@ -21,30 +34,13 @@ pub enum HoleFilling {
 impl HoleFilling {
     /// The name on the command line.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fan => "fan",
-            Self::Ears => "ears",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
-impl fmt::Display for HoleFilling {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for HoleFilling {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        let known = [Self::Fan, Self::Ears];
-        known
-            .into_iter()
-            .find(|filling| filling.name() == s)
-            .ok_or_else(|| format!("'{s}' is no way to fill a hole; there are: fan, ears"))
-    }
+fn unknown(given: &str) -> UnknownName {
+    UnknownName::of::<HoleFilling>("way to fill a hole", given)
 }
 
 /// A mesh whose holes are closed.

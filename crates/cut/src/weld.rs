@@ -5,6 +5,7 @@
 
 use crate::paths::Joined;
 use crate::repair::Found;
+use abf_control::SettingError;
 use abf_mesh::{Point3, Topology, TriMesh, VertexId};
 use std::collections::HashMap;
 use std::fmt;
@@ -18,6 +19,7 @@ const CELL: f64 = 64.0;
 
 /// Which vertices are joined before anything else is done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Weld {
     /// Those within 4 units in the last place at the size of their component, but none in a mesh that is one disk. The
     /// units are those of 32-bit numbers where all coordinates are such, else of 64-bit numbers.
@@ -26,6 +28,7 @@ pub enum Weld {
     /// None.
     Off,
     /// Those at most so far apart, in units of the mesh, in any mesh.
+    #[cfg_attr(feature = "serde", serde(untagged))]
     Within(f64),
 }
 
@@ -193,15 +196,15 @@ impl fmt::Display for Weld {
 }
 
 impl FromStr for Weld {
-    type Err = String;
+    type Err = SettingError;
 
-    fn from_str(s: &str) -> Result<Self, String> {
+    fn from_str(s: &str) -> Result<Self, SettingError> {
         match s {
             "auto" => Ok(Self::Auto),
             "off" => Ok(Self::Off),
             _ => match s.parse() {
                 Ok(distance) if (0.0..f64::INFINITY).contains(&distance) => Ok(Self::Within(distance)),
-                _ => Err(format!("'{s}' does not say what to weld; there are: auto, off, or a distance of at least 0")),
+                _ => Err(SettingError::new("weld", "auto, off or a distance of at least 0", format_args!("'{s}'"))),
             },
         }
     }

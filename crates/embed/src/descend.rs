@@ -22,6 +22,7 @@ use abf_mesh::{FaceId, Point2, Topology, TriMesh, UvMap, Vector2, VertexId};
 
 /// The descent and its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Descent {
     /// The first μ, in units of energy per corner: weights are `1/a²`, so 1 is the energy of an angle that is off by
     /// all of its target.

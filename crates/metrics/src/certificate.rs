@@ -1,12 +1,13 @@
 //! What is proved of a UV map: which triangles are turned over, wind, or lie over each other.
 
+use abf_control::UnknownName;
 use abf_mesh::{CornerId, FaceId, Topology, TriMesh, UvId, UvMap, VertexId};
 use rayon::prelude::*;
-use serde::{Serialize, Serializer};
+#[cfg(feature = "serde")]
+use serde::Serializer;
 use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::fmt;
-use std::str::FromStr;
 
 use crate::MetricsError;
 use crate::face::{Orientation, Survey};
@@ -19,7 +20,21 @@ use crate::winding::{self, winds_twice};
 const CORNERS_PER_TASK: usize = 1 << 13;
 
 /// What a format keeps of a coordinate.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    Hash,
+    strum::Display,
+    strum::EnumString,
+    strum::IntoStaticStr,
+    strum::VariantNames,
+)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Precision {
     /// 24 bits, as graphics memory and some formats do.
     Single,
@@ -31,11 +46,8 @@ pub enum Precision {
 impl Precision {
     /// The name on the command line and in JSON.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Single => "single",
-            Self::Double => "double",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 
     /// The coordinate as it is stored, to the nearest.
@@ -57,22 +69,8 @@ impl Precision {
     }
 }
 
-impl fmt::Display for Precision {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for Precision {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        let known = [Self::Single, Self::Double];
-        known
-            .into_iter()
-            .find(|p| p.name() == s)
-            .ok_or_else(|| format!("'{s}' is no precision; there are: single, double"))
-    }
+fn unknown(given: &str) -> UnknownName {
+    UnknownName::of::<Precision>("precision", given)
 }
 
 /// What is proved of a UV map as it is stored.
@@ -80,10 +78,11 @@ impl FromStr for Precision {
 /// Every count comes from signs of areas and comparisons of the stored coordinates, all exact (as long as
 /// products of coordinate differences do not underflow: differences above 1e-120 of the largest
 /// coordinate). So [`valid`](Self::valid) and [`injective`](Self::injective) are proofs, not measurements.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Certificate {
     /// What the coordinates were rounded to before.
-    #[serde(serialize_with = "as_text")]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "as_text"))]
     pub precision: Precision,
     /// How many charts: connected components of the UV points, where a face connects its three.
     pub charts: usize,
@@ -129,23 +128,23 @@ pub struct Certificate {
     /// How much more lengths shrink in one place than in another: the largest `√(A₂ / A₃)` over the smallest, over the
     /// faces that have an area in 3-D ([`Metrics::degenerate_3d`](crate::Metrics::degenerate_3d)). Infinite with a
     /// collapsed one.
-    #[serde(skip)]
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub spread: f64,
     /// The first flipped faces, at most [`LISTED`](Self::LISTED) of them.
-    #[serde(serialize_with = "as_indices")]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "as_indices"))]
     pub flipped_faces: Vec<FaceId>,
     /// The first collapsed faces.
-    #[serde(serialize_with = "as_indices")]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "as_indices"))]
     pub collapsed_faces: Vec<FaceId>,
     /// The first faces within rounding of it.
-    #[serde(serialize_with = "as_indices")]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "as_indices"))]
     pub near_collapsed_faces: Vec<FaceId>,
     /// The first vertices that are wound around.
-    #[serde(serialize_with = "as_vertex_indices")]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "as_vertex_indices"))]
     pub wound_vertices: Vec<VertexId>,
     /// Pairs of faces that lie over each other, those of the first overlaps; a pair that overlaps in several places is
     /// there once.
-    #[serde(serialize_with = "as_pairs")]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "as_pairs"))]
     pub overlapping_faces: Vec<[FaceId; 2]>,
 }
 
@@ -411,18 +410,22 @@ fn angle_of(cotangent: f64) -> f64 {
     }
 }
 
+#[cfg(feature = "serde")]
 fn as_text<S: Serializer>(value: &impl fmt::Display, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_str(value)
 }
 
+#[cfg(feature = "serde")]
 fn as_indices<S: Serializer>(faces: &[FaceId], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(faces.iter().map(|face| face.index()))
 }
 
+#[cfg(feature = "serde")]
 fn as_vertex_indices<S: Serializer>(vertices: &[VertexId], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(vertices.iter().map(|vertex| vertex.index()))
 }
 
+#[cfg(feature = "serde")]
 fn as_pairs<S: Serializer>(pairs: &[[FaceId; 2]], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(pairs.iter().map(|pair| pair.map(FaceId::index)))
 }

@@ -1,7 +1,6 @@
 //! One map in a few numbers.
 
 use abf_mesh::{TriMesh, UvMap};
-use serde::Serialize;
 use std::ops::Deref;
 
 use crate::certificate::of_survey;
@@ -16,7 +15,8 @@ use crate::{Certificate, MetricsError, Precision};
 ///
 /// The distortion of a map with a collapsed or nearly collapsed triangle is infinite. JSON has no
 /// infinity: `serde_json` writes `null` there.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Metrics {
     /// How many triangles there are.
     pub triangles: usize,
@@ -49,7 +49,7 @@ pub struct Metrics {
     /// ΣA₃, the area of the surface, in mesh units squared.
     pub surface_area: f64,
     /// What is proved of the map: the counts of flipped and collapsed triangles, of overlaps and so on.
-    #[serde(flatten)]
+    #[cfg_attr(feature = "serde", serde(flatten))]
     pub certificate: Certificate,
 }
 

@@ -266,6 +266,7 @@ fn a_closed_surface_and_an_edge_of_three_faces_are_measured_too() {
     assert_eq!(measured(&book, &per_vertex(&book, |p| [p.x, p.y + 2.0 * p.z])).triangles, 3);
 }
 
+#[cfg(feature = "serde")]
 #[test]
 fn json_holds_indices_and_null_for_infinity() {
     let m = measured(&square(), &uv_map(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.5]], &[[0, 1, 2], [0, 2, 3]]));

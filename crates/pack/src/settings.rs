@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 /// How pieces are packed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct PackSettings {
     /// Texels of a page along x and y.
     pub page: [u32; 2],
@@ -30,6 +31,7 @@ impl Default for PackSettings {
 
 /// How hard to try. More effort never covers less than boxes do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Effort {
     /// Milliseconds: a coarse grid and a few angles.

@@ -2,12 +2,11 @@
 
 use crate::tree::EdgeVectors;
 use crate::{LinearError, LinearStats, Pins, least_squares, poisson};
+use abf_control::UnknownName;
 use abf_linalg::Complex64;
 use abf_mesh::{Point2, Topology, TriMesh, UvMap};
 use rayon::prelude::*;
 use std::f64::consts::PI;
-use std::fmt;
-use std::str::FromStr;
 
 /// Angles are kept this far from 0 and π, rad, when they are laid out.
 pub const ANGLE_CLAMP: f64 = 1e-6;
@@ -16,7 +15,21 @@ pub const ANGLE_CLAMP: f64 = 1e-6;
 const PER_TASK: usize = 1 << 13;
 
 /// How to get from angles to coordinates.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    Hash,
+    strum::Display,
+    strum::EnumString,
+    strum::IntoStaticStr,
+    strum::VariantNames,
+)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum LayoutKind {
     /// The tree when the angles close, else least squares.
     #[default]
@@ -37,36 +50,18 @@ impl LayoutKind {
 
     /// The name on the command line and in reports.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::LeastSquares => "least-squares",
-            Self::LeastSquaresWeighted => "least-squares-weighted",
-            Self::Tree => "tree",
-            Self::Poisson => "poisson",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
-impl fmt::Display for LayoutKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for LayoutKind {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|kind| kind.name() == s).ok_or_else(|| {
-            let known: Vec<&str> = Self::ALL.iter().map(|kind| kind.name()).collect();
-            format!("unknown layout '{s}': {}", known.join(", "))
-        })
-    }
+fn unknown(given: &str) -> UnknownName {
+    UnknownName::of::<LayoutKind>("layout", given)
 }
 
 /// What a layout may be told.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct LayoutSettings {
     /// Which method.
     pub kind: LayoutKind,
@@ -280,7 +275,7 @@ mod tests {
         for kind in LayoutKind::ALL {
             assert_eq!(kind.name().parse(), Ok(kind));
         }
-        assert!("greedy".parse::<LayoutKind>().unwrap_err().contains("least-squares-weighted"));
+        assert!("greedy".parse::<LayoutKind>().unwrap_err().known.contains(&"least-squares-weighted"));
     }
 
     #[test]

@@ -24,6 +24,7 @@ pub use full_kkt::FullKktStep;
 
 /// How the step is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Inner {
     /// Triangle rows eliminated, two unknowns per interior vertex. Needs a diagonal Hessian.
     Reduced,
@@ -33,10 +34,12 @@ pub enum Inner {
 
 /// The named points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum NewtonMethod {
     /// ABF as published in 2001.
     Abf,
     /// ABF++.
+    #[cfg_attr(feature = "serde", serde(rename = "abf++"))]
     AbfPlusPlus,
     /// Newton's method: log wheel, exact Hessian.
     AbfNewton,
@@ -59,6 +62,7 @@ impl NewtonMethod {
 
 /// A Newton solver with a direct inner solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct AbfNewton {
     /// Which of the named points it started as. Only its name in reports depends on it.
     pub method: NewtonMethod,

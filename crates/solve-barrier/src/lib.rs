@@ -56,6 +56,7 @@ use abf_solve_core::{AngleSolution, AngleSolver, Hessian, SolveError};
 
 /// The interior point method and its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Barrier {
     /// The second derivatives used: those of the constraints too, made convex triangle by triangle, or
     /// `Λ = 2w + z_lo/x + z_hi/(π − x)` alone, which mostly needs up to twice as many steps and now and then does not arrive.

@@ -1,12 +1,13 @@
 //! The Hessian of the Lagrangian, where it is diagonal.
 
 use abf_constraints::{AngleProblem, WheelForm};
+use abf_control::UnknownName;
 use abf_mesh::CornerId;
-use std::fmt;
-use std::str::FromStr;
 
 /// Which second derivatives go into Λ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, strum::Display, strum::EnumString, strum::VariantNames)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Hessian {
     /// Those of the energy only: Λ = 2w, always positive (ABF++, LinABF).
     #[default]
@@ -16,25 +17,8 @@ pub enum Hessian {
     Exact,
 }
 
-impl fmt::Display for Hessian {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::GaussNewton => "gauss-newton",
-            Self::Exact => "exact",
-        })
-    }
-}
-
-impl FromStr for Hessian {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "gauss-newton" => Ok(Self::GaussNewton),
-            "exact" => Ok(Self::Exact),
-            _ => Err(format!("unknown Hessian '{s}': gauss-newton, exact")),
-        }
-    }
+fn unknown(given: &str) -> UnknownName {
+    UnknownName::of::<Hessian>("Hessian", given)
 }
 
 /// 2w, the Gauss–Newton Λ.

@@ -2,13 +2,13 @@
 
 use crate::{Hessian, LinearError, NewtonSettings, SolveError, StepError, StepReport};
 use abf_constraints::WheelForm;
-use abf_control::SettingError;
+use abf_control::{SettingError, UnknownName};
 use abf_linalg::{KrylovEnd, KrylovParams, KrylovStats};
-use std::fmt;
-use std::str::FromStr;
 
 /// Which system an iterative method works on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, strum::Display, strum::EnumString, strum::VariantNames)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown_reduction)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Reduction {
     /// `M = J Λ⁻¹ Jᵀ`, all `nt + 2 ni` multipliers, never assembled (VMV04 §7).
     None,
@@ -17,30 +17,15 @@ pub enum Reduction {
     Triangles,
 }
 
-impl fmt::Display for Reduction {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::None => "none",
-            Self::Triangles => "triangles",
-        })
-    }
-}
-
-impl FromStr for Reduction {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "none" => Ok(Self::None),
-            "triangles" => Ok(Self::Triangles),
-            _ => Err(format!("unknown reduction '{s}': none, triangles")),
-        }
-    }
+fn unknown_reduction(given: &str) -> UnknownName {
+    UnknownName::of::<Reduction>("reduction", given)
 }
 
 /// Which preconditioner an iterative method uses. Each is built with 2w, so that it is positive
 /// definite whatever the signs in Λ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, strum::Display, strum::EnumString, strum::VariantNames)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown_preconditioner)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum PreconditionerKind {
     /// None (VMV04).
     None,
@@ -52,31 +37,13 @@ pub enum PreconditionerKind {
     Block,
 }
 
-impl fmt::Display for PreconditionerKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::None => "none",
-            Self::Jacobi => "jacobi",
-            Self::Block => "block",
-        })
-    }
-}
-
-impl FromStr for PreconditionerKind {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "none" => Ok(Self::None),
-            "jacobi" => Ok(Self::Jacobi),
-            "block" => Ok(Self::Block),
-            _ => Err(format!("unknown preconditioner '{s}': none, jacobi, block")),
-        }
-    }
+fn unknown_preconditioner(given: &str) -> UnknownName {
+    UnknownName::of::<PreconditionerKind>("preconditioner", given)
 }
 
 /// What an iterative inner method may be told besides its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct IterativeSettings {
     /// The system it works on.
     pub reduction: Reduction,
@@ -163,10 +130,8 @@ mod tests {
         for kind in [PreconditionerKind::None, PreconditionerKind::Jacobi, PreconditionerKind::Block] {
             assert_eq!(kind.to_string().parse(), Ok(kind));
         }
-        assert_eq!(
-            "ilu".parse::<PreconditionerKind>(),
-            Err("unknown preconditioner 'ilu': none, jacobi, block".into())
-        );
+        let error = "ilu".parse::<PreconditionerKind>().unwrap_err();
+        assert_eq!(error.to_string(), "there is no preconditioner 'ilu'; there are: none, jacobi, block");
         assert!("rows".parse::<Reduction>().is_err());
     }
 

@@ -1,12 +1,12 @@
 //! How far to go along a step.
 
 use abf_constraints::{AngleProblem, WheelForm, residual};
+use abf_control::UnknownName;
 use std::f64::consts::PI;
-use std::fmt;
-use std::str::FromStr;
 
 /// How angles are kept inside (0, π).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum BoundRule {
     /// Take the step, then move what left the interval to this distance from its ends, rad
     /// (in the spirit of LinABF's end of §6 and of ABF++).
@@ -53,7 +53,9 @@ impl BoundRule {
 }
 
 /// How the length of a step is chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, strum::Display, strum::EnumString, strum::VariantNames)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum LineSearch {
     /// The longest step the bound rule allows, unseen (ABF++).
     Full,
@@ -64,25 +66,8 @@ pub enum LineSearch {
     Merit,
 }
 
-impl fmt::Display for LineSearch {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Full => "full",
-            Self::Merit => "merit",
-        })
-    }
-}
-
-impl FromStr for LineSearch {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "full" => Ok(Self::Full),
-            "merit" => Ok(Self::Merit),
-            _ => Err(format!("unknown line search '{s}': merit, full")),
-        }
-    }
+fn unknown(given: &str) -> UnknownName {
+    UnknownName::of::<LineSearch>("line search", given)
 }
 
 /// Armijo's share of the predicted decrease that must be reached.

@@ -25,6 +25,7 @@ use abf_control::{Fallback, IterationRecord, Observer, SettingError, StopCriteri
 
 /// How exactly an inner method solves.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum InnerTolerance {
     /// Always to this relative residual.
     Fixed(f64),
@@ -55,6 +56,7 @@ impl InnerTolerance {
 
 /// A point of the grid: what every solver with a fixed target may be told.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct NewtonSettings {
     /// The form of the wheel condition.
     pub wheel: WheelForm,

@@ -19,7 +19,7 @@
 //! they take the result, kept inside the angle bounds, as the next estimate (end of §6).
 
 use abf_constraints::{AngleProblem, RESIDUAL_CLAMP, WheelDerivative, largest, linearise, max_residual};
-use abf_control::{IterationRecord, Observer, StopCriteria, Termination, Watch};
+use abf_control::{IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
 use abf_solve_core::{
     AngleSolution, AngleSolver, DirectStep, KktStep, KktSystem, KktVector, LeastCorrection, Linearisation, SolveError,
     StepError, StepReport,
@@ -32,21 +32,26 @@ use std::str::FromStr;
 
 /// How many passes to make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Passes {
     /// Until the constraint residual meets the tolerance or stops improving.
     #[default]
     Auto,
     /// Exactly so many; fewer only when the tolerance is met before.
+    #[cfg_attr(feature = "serde", serde(untagged))]
     Exactly(NonZeroUsize),
 }
 
 impl FromStr for Passes {
-    type Err = String;
+    type Err = SettingError;
 
-    fn from_str(s: &str) -> Result<Self, String> {
+    fn from_str(s: &str) -> Result<Self, SettingError> {
         match s {
             "auto" => Ok(Self::Auto),
-            _ => s.parse().map(Self::Exactly).map_err(|_| format!("passes must be 'auto' or at least 1, got '{s}'")),
+            _ => s
+                .parse()
+                .map(Self::Exactly)
+                .map_err(|_| SettingError::new("passes", "'auto' or at least 1", format_args!("'{s}'"))),
         }
     }
 }
@@ -62,6 +67,7 @@ impl fmt::Display for Passes {
 
 /// The LinABF solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct LinAbf {
     /// How many passes to make.
     pub passes: Passes,

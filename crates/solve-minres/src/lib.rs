@@ -20,6 +20,7 @@ pub use step::MinresStep;
 
 /// The outer loop with MINRES as its inner method.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Minres {
     /// The point of the grid.
     pub newton: NewtonSettings,

@@ -22,6 +22,7 @@ pub use uzawa::{RightHandSide, SaddlePoint, Unknowns, uzawa};
 
 /// The outer loop with Uzawa as its inner method.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Uzawa {
     /// The point of the grid.
     pub newton: NewtonSettings,

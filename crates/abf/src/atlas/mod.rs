@@ -4,17 +4,16 @@ mod judge;
 mod outline;
 
 use crate::unwrap::{Unwrapped, UnwrappedChart};
-use abf_control::SettingError;
+use abf_control::{SettingError, UnknownName};
 use abf_mesh::{Point2, TriMesh, UvMap};
 use abf_metrics::{Metrics, MetricsError, Precision};
 use abf_pack::{Effort, PackError, PackSettings, Packing, Piece};
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::fmt;
-use std::str::FromStr;
 
 /// How charts are laid out in the unit square.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Atlas {
     /// Which charts share a page.
     pub pages: AtlasPages,
@@ -44,7 +43,21 @@ impl Default for Atlas {
 }
 
 /// Which charts share a page: a unit square of their own, for a texture of their own.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    Hash,
+    strum::Display,
+    strum::EnumString,
+    strum::IntoStaticStr,
+    strum::VariantNames,
+)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum AtlasPages {
     /// All of them.
     #[default]
@@ -261,29 +274,11 @@ impl AtlasPages {
 
     /// The name on the command line.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::One => "one",
-            Self::PerComponent => "per-component",
-            Self::PerMaterial => "per-material",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
-impl fmt::Display for AtlasPages {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for AtlasPages {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        let known = || Self::ALL.into_iter();
-        known().find(|pages| pages.name() == s).ok_or_else(|| {
-            let names: Vec<&str> = known().map(Self::name).collect();
-            format!("'{s}' is no way to share pages; there are: {}", names.join(", "))
-        })
-    }
+fn unknown(given: &str) -> UnknownName {
+    UnknownName::of::<AtlasPages>("way to share pages", given)
 }

@@ -7,6 +7,7 @@ use abf_solve_linabf::LinAbf;
 
 /// The solvers of [`Solver::Auto`](crate::Solver::Auto), each with its settings, in the order in which they are tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Ladder {
     /// The first.
     pub linabf: LinAbf,

@@ -14,5 +14,5 @@ pub use pipeline::Pipeline;
 pub(crate) use solver::Method;
 // The solvers and their settings: a new one is named in solver.rs alone.
 pub use solver::*;
-pub use solver_kind::{SolverKind, UnknownSolver};
+pub use solver_kind::SolverKind;
 pub use zero_area::ZeroArea;

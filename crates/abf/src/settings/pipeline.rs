@@ -10,6 +10,7 @@ use abf_reconstruct::LayoutSettings;
 ///
 /// Settings that concern one solver are in the [`Solver`].
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Pipeline {
     /// Which method, with its settings.
     pub solver: Solver,

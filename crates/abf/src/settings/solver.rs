@@ -2,8 +2,9 @@
 
 use crate::FlattenError;
 use crate::settings::growth::Growth;
-use crate::settings::{Ladder, SolverKind, UnknownSolver};
+use crate::settings::{Ladder, SolverKind};
 use abf_constraints::WheelForm;
+use abf_control::UnknownName;
 use abf_solve_abf_newton::Inner;
 use abf_solve_core::{AngleSolver, Hessian, IterativeSettings, NewtonSettings};
 use std::fmt;
@@ -30,13 +31,15 @@ pub use abf_solve_uzawa::Uzawa;
 /// assert_eq!(barrier.kind(), SolverKind::Barrier);
 /// let named: Solver = "abf++".parse()?;
 /// assert_eq!(named.kind(), SolverKind::AbfPlusPlus);
-/// # Ok::<(), abf::UnknownSolver>(())
+/// # Ok::<(), abf::UnknownName>(())
 /// ```
 #[derive(Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Solver {
     /// One solver after the other, up to the first result that is certified.
     Auto(Ladder),
     /// Linear ABF.
+    #[cfg_attr(feature = "serde", serde(rename = "linabf"))]
     LinAbf(LinAbf),
     /// ABF, ABF++ and Newton's method with a direct solve: [`AbfNewton::method`] says which.
     Newton(AbfNewton),
@@ -50,7 +53,9 @@ pub enum Solver {
     Descent(Descent),
     /// Least squares conformal maps. Its only setting is the layout of the [`Pipeline`](crate::Pipeline).
     Lscm,
-    /// A solver of your own. Two are equal when they are the same object.
+    /// A solver of your own. Two are equal when they are the same object. With `serde` it is written by its name, and
+    /// cannot be read back.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "name_of_custom", skip_deserializing))]
     Custom(Arc<dyn AngleSolver>),
 }
 
@@ -262,6 +267,11 @@ impl Solver {
     }
 }
 
+#[cfg(feature = "serde")]
+fn name_of_custom<S: serde::Serializer>(solver: &Arc<dyn AngleSolver>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(solver.name())
+}
+
 /// The settings of a [`Solver`] by what they are about; `None` where it has none such.
 #[derive(Debug, Default)]
 #[non_exhaustive]
@@ -336,10 +346,11 @@ impl fmt::Display for Solver {
 
 /// A solver of this library by its name, with its default settings.
 impl FromStr for Solver {
-    type Err = UnknownSolver;
+    type Err = UnknownName;
 
-    fn from_str(s: &str) -> Result<Self, UnknownSolver> {
-        Self::all().into_iter().find(|solver| solver.name() == s).ok_or_else(|| UnknownSolver { name: s.to_owned() })
+    fn from_str(s: &str) -> Result<Self, UnknownName> {
+        let kind: SolverKind = s.parse()?;
+        Ok(Self::all().into_iter().find(|solver| solver.kind() == kind).unwrap_or_default())
     }
 }
 

@@ -1,6 +1,7 @@
 //! The solvers by name.
 
 use crate::settings::Solver;
+use abf_control::UnknownName;
 use std::fmt;
 use std::str::FromStr;
 
@@ -203,23 +204,38 @@ impl fmt::Display for SolverKind {
     }
 }
 
-/// A solver name that does not exist, or not yet.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no solver '{name}' in this version; there are: {}", known())]
-pub struct UnknownSolver {
-    /// The name that was given.
-    pub name: String,
-}
-
-fn known() -> String {
-    SolverKind::ALL.map(SolverKind::name).join(", ")
-}
-
 impl FromStr for SolverKind {
-    type Err = UnknownSolver;
+    type Err = UnknownName;
 
-    fn from_str(s: &str) -> Result<Self, UnknownSolver> {
-        Self::ALL.into_iter().find(|kind| kind.name() == s).ok_or_else(|| UnknownSolver { name: s.to_owned() })
+    fn from_str(s: &str) -> Result<Self, UnknownName> {
+        Self::ALL.into_iter().find(|kind| kind.name() == s).ok_or_else(|| UnknownName::new("solver", s, &NAMES))
+    }
+}
+
+/// The names of the solvers of this library.
+const NAMES: [&str; SolverKind::ALL.len()] = {
+    let mut names = [""; SolverKind::ALL.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = SolverKind::ALL[i].name();
+        i += 1;
+    }
+    names
+};
+
+/// Its name. Only those of this library can be read back.
+#[cfg(feature = "serde")]
+impl serde::Serialize for SolverKind {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for SolverKind {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = <std::borrow::Cow<'de, str>>::deserialize(deserializer)?;
+        name.parse().map_err(serde::de::Error::custom)
     }
 }
 

@@ -1,10 +1,23 @@
 //! What becomes of faces without area.
 
-use std::fmt;
-use std::str::FromStr;
+use abf_control::UnknownName;
 
 /// What becomes of faces without area.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    Hash,
+    strum::Display,
+    strum::EnumString,
+    strum::IntoStaticStr,
+    strum::VariantNames,
+)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum ZeroArea {
     /// They get a valid place like all others; their angles, which they do not have, are those of a thin triangle
     /// ([`AngleProblem::new`](abf_constraints::AngleProblem::new)). Metrics leave them out and count them.
@@ -17,28 +30,11 @@ pub enum ZeroArea {
 impl ZeroArea {
     /// The name on the command line.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Carry => "carry",
-            Self::Refuse => "refuse",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
-impl fmt::Display for ZeroArea {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for ZeroArea {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        let known = [Self::Carry, Self::Refuse];
-        known
-            .into_iter()
-            .find(|rule| rule.name() == s)
-            .ok_or_else(|| format!("'{s}' is nothing to do with faces without area; there are: carry, refuse"))
-    }
+fn unknown(given: &str) -> UnknownName {
+    UnknownName::of::<ZeroArea>("rule for faces without area", given)
 }

@@ -14,7 +14,7 @@ mod surface;
 mod unfinished;
 
 use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolverKind, ZeroArea};
-use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, ask};
+use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, UnknownName, ask};
 use abf_cut::{
     Chart, CostSettings, HoleFilling, RepairReport, Seams, Weld, label_borders, repair, split, uv_borders, weld,
 };
@@ -35,6 +35,7 @@ use std::str::FromStr;
 /// Where seams have to be found, they grow with the stretch: cut to a disk, flatten, look where the map shrinks the
 /// surface most, cut there, and again, until the stretch is what is aimed at.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Unwrap {
     /// How each chart is flattened. [`Pipeline::normalize`] does not concern charts: they come out at one scale.
     pub pipeline: Pipeline,
@@ -90,7 +91,9 @@ impl Default for Unwrap {
 }
 
 /// Where seams come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, strum::Display, strum::EnumString, strum::VariantNames)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown_seams)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum SeamRule {
     /// From the shape and the stretch.
     #[default]
@@ -102,6 +105,7 @@ pub enum SeamRule {
 
 /// What becomes of holes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum HoleRule {
     /// By what comes of it: left as they are where the map is valid, injective and within the aim; else joined by seams;
     /// else closed.
@@ -332,25 +336,8 @@ impl Unwrap {
     }
 }
 
-impl fmt::Display for SeamRule {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Auto => "auto",
-            Self::Keep => "keep",
-        })
-    }
-}
-
-impl FromStr for SeamRule {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        match s {
-            "auto" => Ok(Self::Auto),
-            "keep" => Ok(Self::Keep),
-            _ => Err(format!("'{s}' is no rule for seams; there are: auto, keep")),
-        }
-    }
+fn unknown_seams(given: &str) -> UnknownName {
+    UnknownName::of::<SeamRule>("rule for seams", given)
 }
 
 impl fmt::Display for HoleRule {
@@ -365,9 +352,9 @@ impl fmt::Display for HoleRule {
 }
 
 impl FromStr for HoleRule {
-    type Err = String;
+    type Err = UnknownName;
 
-    fn from_str(s: &str) -> Result<Self, String> {
+    fn from_str(s: &str) -> Result<Self, UnknownName> {
         match s {
             "auto" => Ok(Self::Auto),
             "fill" => Ok(Self::Fill(HoleFilling::default())),
@@ -376,7 +363,8 @@ impl FromStr for HoleRule {
             "cut" => Ok(Self::Cut),
             "free" => Ok(Self::Free),
             _ => {
-                Err(format!("'{s}' is nothing to do with holes; there are: auto, fill, fill-fan, fill-ears, cut, free"))
+                let known = &["auto", "fill", "fill-fan", "fill-ears", "cut", "free"];
+                Err(UnknownName::new("rule for holes", s, known))
             }
         }
     }
