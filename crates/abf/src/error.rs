@@ -35,7 +35,7 @@ pub enum FlattenError {
     },
     /// The angles could not be laid out.
     #[error("the angles could not be laid out")]
-    Layout(#[from] LayoutError),
+    Layout(#[source] LayoutError),
     /// The descent found no drawing.
     #[error("the descent found no drawing without flips")]
     Descent(#[source] EmbedError),
@@ -47,7 +47,7 @@ pub enum FlattenError {
     LscmLayout(LayoutKind),
     /// The UVs could not be judged: they do not fit into the precision asked for.
     #[error("the UVs could not be judged")]
-    Certificate(#[from] MetricsError),
+    Certificate(#[source] MetricsError),
     /// It would take more memory than [`Pipeline::max_memory`](crate::Pipeline::max_memory); none of it was taken.
     #[error(
         "the solver '{solver}' would take about {} for {triangles} triangles, and the limit is {}{}",
@@ -76,6 +76,24 @@ impl FlattenError {
         match source {
             SolveError::Cancelled(cancelled) => Self::Cancelled(cancelled),
             source => Self::Solve { solver, source },
+        }
+    }
+}
+
+impl From<LayoutError> for FlattenError {
+    fn from(error: LayoutError) -> Self {
+        match error {
+            LayoutError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Layout(other),
+        }
+    }
+}
+
+impl From<MetricsError> for FlattenError {
+    fn from(error: MetricsError) -> Self {
+        match error {
+            MetricsError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Certificate(other),
         }
     }
 }

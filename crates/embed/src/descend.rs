@@ -143,7 +143,7 @@ impl Descent {
                 area_matched,
             });
         }
-        let mut run = Run::new(*self, problem, &uv)?;
+        let mut run = Run::new(*self, problem, &uv, &mut watch)?;
         let termination = run.descend(stop, &mut watch)?;
         let (uv, area_matched) = scaled_to(topology, run.uv, mesh.area());
         // Those of the last step: scaling may round, and no angle is changed by it.
@@ -227,15 +227,20 @@ struct Run<'p, 'a> {
 }
 
 impl<'p, 'a> Run<'p, 'a> {
-    fn new(settings: Descent, problem: &'p AngleProblem<'a>, uv: &[Point2<f64>]) -> Result<Self, EmbedError> {
+    fn new(
+        settings: Descent,
+        problem: &'p AngleProblem<'a>,
+        uv: &[Point2<f64>],
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, EmbedError> {
         let topology = problem.topology();
         let pins = pins(topology, uv);
         let uv = centred(topology, uv, pins[0]);
         Ok(Self {
             settings,
             objective: Objective { problem, barrier: settings.barrier_start },
-            newton: Newton::new(topology, pins)?,
-            retraction: Retraction::new(topology, pins[0])?,
+            newton: Newton::new(topology, pins, &mut || watch.checkpoint())?,
+            retraction: Retraction::new(topology, pins[0], &mut || watch.checkpoint())?,
             angles: measured(topology, &uv),
             uv,
             held: Vec::new(),
@@ -251,7 +256,9 @@ impl<'p, 'a> Run<'p, 'a> {
                 return Ok(watch.interruption().unwrap_or(Termination::Cancelled));
             }
             // Without a direction the drawing so far is still valid, be it the start.
-            let Ok(direction) = self.newton.direction(&self.objective, &self.uv, &self.angles) else {
+            let checkpoint = &mut || watch.checkpoint();
+            let Ok(direction) = self.newton.direction(&self.objective, &self.uv, &self.angles, checkpoint) else {
+                watch.aborted()?;
                 return Ok(Termination::Stalled);
             };
             let at_floor = self.objective.barrier <= self.settings.barrier_floor;

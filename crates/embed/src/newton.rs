@@ -3,6 +3,7 @@
 use crate::objective::Objective;
 use crate::plane::{angle_derivatives, at_resolution, edges, of_face};
 use crate::system::FaceSystem;
+use abf_control::Checkpoint;
 use abf_linalg::{Cholesky, LinearError, LinearStats, Refinement};
 use abf_mesh::{FaceId, Point2, Topology, Vector2, VertexId};
 
@@ -38,8 +39,12 @@ pub(crate) struct Direction {
 
 impl Newton {
     /// Two pinned vertices take away the four similarities.
-    pub(crate) fn new(topology: &Topology, pinned: [VertexId; 2]) -> Result<Self, LinearError> {
-        Ok(Self { system: FaceSystem::new(topology, &pinned)? })
+    pub(crate) fn new(
+        topology: &Topology,
+        pinned: [VertexId; 2],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
+        Ok(Self { system: FaceSystem::new(topology, &pinned, checkpoint)? })
     }
 
     pub(crate) fn direction(
@@ -47,11 +52,15 @@ impl Newton {
         objective: &Objective<'_, '_>,
         uv: &[Point2<f64>],
         angles: &[f64],
+        checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Direction, LinearError> {
         let topology = objective.problem.topology();
         let (gradient, held) = self.assemble(objective, uv, angles);
+        checkpoint()?;
         let factors = self.system.factorise()?;
+        checkpoint()?;
         let (motion, linear) = self.solve(topology, &factors, &gradient)?;
+        checkpoint()?;
         let slope = gradient.iter().zip(&motion).map(|(g, d)| g.dot(d)).sum();
         let angle_change = topology.faces().flat_map(|face| angle_change(topology, uv, &motion, face)).collect();
         Ok(Direction { motion, angle_change, slope, held, linear })

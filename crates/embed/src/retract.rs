@@ -11,6 +11,7 @@
 use crate::newton::Direction;
 use crate::plane::{edges, of_face, orientation};
 use crate::system::FaceSystem;
+use abf_control::Checkpoint;
 use abf_linalg::{Cholesky, Complex64, LinearError, Refinement};
 use abf_mesh::{FaceId, Point2, Topology, VertexId};
 use std::f64::consts::PI;
@@ -35,8 +36,12 @@ pub(crate) struct Laplacian<'r> {
 
 impl Retraction {
     /// One pinned vertex takes away the translations; targets have no other freedom.
-    pub(crate) fn new(topology: &Topology, pinned: VertexId) -> Result<Self, LinearError> {
-        Ok(Self { system: FaceSystem::new(topology, &[pinned])? })
+    pub(crate) fn new(
+        topology: &Topology,
+        pinned: VertexId,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
+        Ok(Self { system: FaceSystem::new(topology, &[pinned], checkpoint)? })
     }
 
     /// Factorises the Laplacian of this drawing.

@@ -1,5 +1,6 @@
 //! Linear systems with a block of unknowns for every vertex and a contribution of every face.
 
+use abf_control::Checkpoint;
 use abf_linalg::{Cholesky, Graph, LinearError, Permutation, SymbolicCholesky, SymmetricMatrix, SymmetricPattern};
 use abf_mesh::{Topology, VertexId};
 use std::sync::Arc;
@@ -19,7 +20,11 @@ pub(crate) struct Numbering {
 }
 
 impl Numbering {
-    pub(crate) fn new(topology: &Topology, pinned: &[VertexId]) -> Result<Self, LinearError> {
+    pub(crate) fn new(
+        topology: &Topology,
+        pinned: &[VertexId],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
         let mut free = vec![NONE; topology.vertex_count()];
         let mut count = 0;
         for v in topology.vertices().filter(|v| topology.fan_start(*v).is_some() && !pinned.contains(v)) {
@@ -29,7 +34,9 @@ impl Numbering {
         let edges = topology.corners().map(|c| (topology.vertex(c.next()), topology.vertex(c.prev())));
         let edges = edges.map(|(a, b)| (free[a.index()], free[b.index()])).filter(|&(a, b)| a != NONE && b != NONE);
         let graph = Graph::from_edges(count as usize, edges.collect::<Vec<_>>().into_iter());
+        checkpoint()?;
         let order = graph.amd()?;
+        checkpoint()?;
         let unknown = free.iter().map(|&f| if f == NONE { f } else { order.new_index(f as usize) as u32 }).collect();
         Ok(Self { unknown, graph, order })
     }
@@ -52,10 +59,15 @@ pub(crate) struct FaceSystem<const N: usize> {
 }
 
 impl<const N: usize> FaceSystem<N> {
-    pub(crate) fn new(topology: &Topology, pinned: &[VertexId]) -> Result<Self, LinearError> {
-        let numbering = Numbering::new(topology, pinned)?;
+    pub(crate) fn new(
+        topology: &Topology,
+        pinned: &[VertexId],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
+        let numbering = Numbering::new(topology, pinned, checkpoint)?;
         let block = N / 3;
         let pattern = Arc::new(SymmetricPattern::of_blocks(&numbering.graph, &numbering.order, block));
+        checkpoint()?;
         let slots_of = |face| {
             let vertices = topology.face_vertices(face).map(|v| numbering.unknown(v));
             let rows: [Option<usize>; N] = std::array::from_fn(|i| vertices[i / block].map(|u| block * u + i % block));
@@ -67,6 +79,7 @@ impl<const N: usize> FaceSystem<N> {
             })
         };
         let slots = topology.faces().map(slots_of).collect();
+        checkpoint()?;
         let symbolic = SymbolicCholesky::analyse(Arc::clone(&pattern))?;
         Ok(Self { numbering, matrix: SymmetricMatrix::zeros(pattern), symbolic, slots })
     }

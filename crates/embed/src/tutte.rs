@@ -126,7 +126,11 @@ fn place(
         triplets.extend(inner.filter(|&(_, column, _)| column != u32::MAX));
     }
     let matrix = SparseMatrix::from_triplets(interior.len(), &triplets);
-    let factors = SymbolicLu::analyse(&matrix)?.factorise(&matrix)?;
+    watch.checkpoint()?;
+    let symbolic = SymbolicLu::analyse(&matrix)?;
+    watch.checkpoint()?;
+    let factors = symbolic.factorise(&matrix)?;
+    watch.checkpoint()?;
     for _ in 0..=CORRECTIONS {
         let pull = |uv: &[Point2<f64>], v: VertexId, row: &[(VertexId, f64)]| -> Vector2<f64> {
             row.iter().map(|&(j, weight)| (uv[j.index()] - uv[v.index()]) * weight).sum()
@@ -140,6 +144,7 @@ fn place(
                 Err(LinearError::NoSolution { .. }) if pulls.iter().all(|p| p.amax() <= f64::EPSILON) => continue,
                 Err(error) => return Err(error),
             }
+            watch.checkpoint()?;
             interior.iter().zip(&rhs).for_each(|(v, correction)| uv[v.index()][axis] += correction);
         }
         // The first solve makes a drawing of it; what follows are digits.

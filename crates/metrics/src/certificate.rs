@@ -1,6 +1,6 @@
 //! What is proved of a UV map: which triangles are turned over, wind, or lie over each other.
 
-use abf_control::UnknownName;
+use abf_control::{Cancelled, Checkpoint, UnknownName};
 use abf_mesh::{CornerId, FaceId, Topology, TriMesh, UvId, UvMap, VertexId};
 use rayon::prelude::*;
 #[cfg(feature = "serde")]
@@ -186,8 +186,22 @@ impl Certificate {
 /// # Errors
 /// [`MetricsError`] as for [`measure`](crate::measure), also when rounding makes a coordinate infinite.
 pub fn certify(mesh: &TriMesh, uv: &UvMap, precision: Precision) -> Result<Certificate, MetricsError> {
+    certify_asking(mesh, uv, precision, &mut || Ok(()))
+}
+
+/// [`certify`] that asks between its parts whether to go on.
+///
+/// # Errors
+/// As for `certify`, and [`MetricsError::Cancelled`].
+pub fn certify_asking(
+    mesh: &TriMesh,
+    uv: &UvMap,
+    precision: Precision,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Certificate, MetricsError> {
     let uv = rounded(uv, precision);
-    Ok(of_survey(&Survey::new(mesh, &uv)?, None, precision))
+    checkpoint()?;
+    Ok(of_survey(&Survey::new(mesh, &uv)?, None, precision, checkpoint)?)
 }
 
 /// The same for UVs that are what the format stores already, and need not be numbers of this precision: glTF stores `1 − v`.
@@ -195,7 +209,7 @@ pub fn certify(mesh: &TriMesh, uv: &UvMap, precision: Precision) -> Result<Certi
 /// # Errors
 /// As for [`certify`].
 pub fn certify_stored(mesh: &TriMesh, uv: &UvMap, precision: Precision) -> Result<Certificate, MetricsError> {
-    Ok(of_survey(&Survey::new(mesh, uv)?, None, precision))
+    Ok(of_survey(&Survey::new(mesh, uv)?, None, precision, &mut || Ok(()))?)
 }
 
 /// The same certificate in less time, for a connected manifold whose corner table is at hand. A map that has not one
@@ -209,11 +223,26 @@ pub fn certify_connected(
     uv: &UvMap,
     precision: Precision,
 ) -> Result<Certificate, MetricsError> {
+    certify_connected_asking(mesh, topology, uv, precision, &mut || Ok(()))
+}
+
+/// [`certify_connected`] that asks between its parts whether to go on.
+///
+/// # Errors
+/// As for [`certify`], and [`MetricsError::Cancelled`].
+pub fn certify_connected_asking(
+    mesh: &TriMesh,
+    topology: &Topology,
+    uv: &UvMap,
+    precision: Precision,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Certificate, MetricsError> {
     if !is_per_vertex(mesh, topology, uv) {
-        return certify(mesh, uv, precision);
+        return certify_asking(mesh, uv, precision, checkpoint);
     }
     let uv = rounded(uv, precision);
-    Ok(of_survey(&Survey::of_one_chart(mesh, &uv)?, Some(topology), precision))
+    checkpoint()?;
+    Ok(of_survey(&Survey::of_one_chart(mesh, &uv)?, Some(topology), precision, checkpoint)?)
 }
 
 fn rounded(uv: &UvMap, precision: Precision) -> Cow<'_, UvMap> {
@@ -239,14 +268,22 @@ fn is_per_vertex(mesh: &TriMesh, topology: &Topology, uv: &UvMap) -> bool {
 }
 
 /// The certificate of a map that has been looked at; of one with a point per vertex the corner table may be given.
-pub(crate) fn of_survey(survey: &Survey<'_>, topology: Option<&Topology>, precision: Precision) -> Certificate {
+pub(crate) fn of_survey(
+    survey: &Survey<'_>,
+    topology: Option<&Topology>,
+    precision: Precision,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Certificate, Cancelled> {
+    checkpoint()?;
     let faces = Faces::of(survey, precision.epsilon());
+    checkpoint()?;
     let topology = topology.filter(|_| !survey.is_mirrored(FaceId::new(0)));
     let (mesh, uv, scale) = (survey.mesh(), survey.uv(), survey.uv_scale());
     let sheet = match topology {
         Some(topology) => Sheet::of_manifold(mesh, topology, uv, scale),
         None => Sheet::new(mesh, uv, scale, |f| survey.is_mirrored(FaceId::new(f))),
     };
+    checkpoint()?;
     // Where a triangle is flipped or collapsed, the triangles of a fan do not all turn one way.
     let is_kept = |fan: Fan| sheet.fan_corners(fan).all(|c| survey.lies(c.face()) == Orientation::Kept);
     let twice = |fan: &Fan| is_kept(*fan) && winds_twice(&sheet, *fan);
@@ -257,6 +294,7 @@ pub(crate) fn of_survey(survey: &Survey<'_>, topology: Option<&Topology>, precis
             (open, closed.into_iter().filter(twice).collect())
         }
     };
+    checkpoint()?;
     let open_twice: Vec<Fan> = open.iter().copied().filter(twice).collect();
     let mut wound: Vec<VertexId> = closed_twice.iter().map(|fan| sheet.vertex(fan.first)).collect();
     wound.sort_unstable();
@@ -266,10 +304,10 @@ pub(crate) fn of_survey(survey: &Survey<'_>, topology: Option<&Topology>, precis
         let largest: f64 = largest.get_or_init(|| survey.largest_coordinates())[survey.chart_of(face)];
         if largest > 0.0 { Certificate::TOUCH_ULPS * precision.epsilon() * largest.log2().floor().exp2() } else { 0.0 }
     };
-    let overlaps = Overlaps::find(&sheet, &open, &open_twice, Certificate::LISTED, rounding);
+    let overlaps = Overlaps::find(&sheet, &open, &open_twice, Certificate::LISTED, rounding, checkpoint)?;
     let wound_count = wound.len();
     wound.truncate(Certificate::LISTED);
-    Certificate {
+    Ok(Certificate {
         precision,
         charts: survey.chart_count(),
         flips: faces.flipped.count,
@@ -290,7 +328,7 @@ pub(crate) fn of_survey(survey: &Survey<'_>, topology: Option<&Topology>, precis
         near_collapsed_faces: faces.near_collapsed.first,
         wound_vertices: wound,
         overlapping_faces: overlaps.faces,
-    }
+    })
 }
 
 /// The fans on the boundary, and those that close and wind more than once.

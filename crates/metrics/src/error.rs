@@ -1,11 +1,15 @@
 //! What cannot be measured.
 
+use abf_control::Cancelled;
 use abf_mesh::FaceId;
 
 /// Why a mesh and its UVs cannot be measured.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MetricsError {
+    /// The checkpoint ended it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// There is no face at all.
     #[error("the mesh has no faces")]
     NoFaces,

@@ -2,7 +2,7 @@
 
 use crate::tree::EdgeVectors;
 use crate::{LinearError, LinearStats, Pins, least_squares, poisson};
-use abf_control::UnknownName;
+use abf_control::{Cancelled, Checkpoint, UnknownName};
 use abf_linalg::Complex64;
 use abf_mesh::{Point2, Topology, TriMesh, UvMap};
 use rayon::prelude::*;
@@ -121,6 +121,19 @@ pub enum LayoutError {
         /// Which layout.
         kind: LayoutKind,
     },
+    /// The checkpoint ended it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl LayoutError {
+    /// A linear system without solution, or the abort that ended its solve.
+    fn of_linear(kind: LayoutKind, source: LinearError) -> Self {
+        match source {
+            LinearError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            source => Self::Linear { kind, source },
+        }
+    }
 }
 
 /// Lays out the disk `mesh` with the given corner angles (radians, one per corner).
@@ -133,6 +146,20 @@ pub fn layout(
     angles: &[f64],
     settings: &LayoutSettings,
 ) -> Result<Layout, LayoutError> {
+    layout_asking(mesh, topology, angles, settings, &mut || Ok(()))
+}
+
+/// [`layout()`] that asks between its parts whether to go on.
+///
+/// # Errors
+/// As `layout`, and [`LayoutError::Cancelled`].
+pub fn layout_asking(
+    mesh: &TriMesh,
+    topology: &Topology,
+    angles: &[f64],
+    settings: &LayoutSettings,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Layout, LayoutError> {
     if angles.len() != topology.corner_count() {
         return Err(LayoutError::AngleCount { given: angles.len(), corners: topology.corner_count() });
     }
@@ -140,7 +167,8 @@ pub fn layout(
     let clamped: Vec<f64> =
         angles.par_iter().with_min_len(PER_TASK).map(|x| x.clamp(ANGLE_CLAMP, PI - ANGLE_CLAMP)).collect();
     let moved_angles = angles.iter().zip(&clamped).filter(|(x, y)| x != y).count();
-    let Placed { z, kind, linear, closing_error } = place(topology, &clamped, pins, settings)?;
+    let Placed { z, kind, linear, closing_error } = place(topology, &clamped, pins, settings, checkpoint)?;
+    checkpoint()?;
     let uv = finish(mesh, &z, pins).ok_or(LayoutError::NotFinite { kind })?;
     Ok(Layout { uv, kind, linear, closing_error, moved_angles })
 }
@@ -152,25 +180,35 @@ struct Placed {
     closing_error: Option<f64>,
 }
 
-fn place(topology: &Topology, angles: &[f64], pins: Pins, settings: &LayoutSettings) -> Result<Placed, LayoutError> {
-    let least_squares = |weighted: bool, closing_error: Option<f64>| {
+fn place(
+    topology: &Topology,
+    angles: &[f64],
+    pins: Pins,
+    settings: &LayoutSettings,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Placed, LayoutError> {
+    let least_squares = |weighted: bool, closing_error: Option<f64>, checkpoint: &mut Checkpoint<'_>| {
         let kind = if weighted { LayoutKind::LeastSquaresWeighted } else { LayoutKind::LeastSquares };
-        let solved = least_squares::place(topology, angles, pins, weighted);
-        let (z, stats) = solved.map_err(|source| LayoutError::Linear { kind, source })?;
+        let solved = least_squares::place(topology, angles, pins, weighted, checkpoint);
+        let (z, stats) = solved.map_err(|source| LayoutError::of_linear(kind, source))?;
         Ok(Placed { z, kind, linear: Some(stats), closing_error })
     };
     let edges = match settings.kind {
-        LayoutKind::LeastSquares => return least_squares(false, None),
-        LayoutKind::LeastSquaresWeighted => return least_squares(true, None),
-        LayoutKind::Auto | LayoutKind::Tree | LayoutKind::Poisson => EdgeVectors::integrate(topology, angles),
+        LayoutKind::LeastSquares => return least_squares(false, None, checkpoint),
+        LayoutKind::LeastSquaresWeighted => return least_squares(true, None, checkpoint),
+        LayoutKind::Auto | LayoutKind::Tree | LayoutKind::Poisson => {
+            EdgeVectors::integrate(topology, angles, checkpoint)?
+        }
     };
     let closing_error = Some(edges.closing_error);
     match settings.kind {
-        LayoutKind::Auto if !(edges.closing_error <= settings.closing_tolerance) => least_squares(false, closing_error),
+        LayoutKind::Auto if !(edges.closing_error <= settings.closing_tolerance) => {
+            least_squares(false, closing_error, checkpoint)
+        }
         LayoutKind::Poisson => {
             let kind = LayoutKind::Poisson;
-            let solved = poisson::place(topology, angles, &edges, pins);
-            let (z, stats) = solved.map_err(|source| LayoutError::Linear { kind, source })?;
+            let solved = poisson::place(topology, angles, &edges, pins, checkpoint);
+            let (z, stats) = solved.map_err(|source| LayoutError::of_linear(kind, source))?;
             Ok(Placed { z, kind, linear: Some(stats), closing_error })
         }
         _ => Ok(Placed { z: edges.place(topology), kind: LayoutKind::Tree, linear: None, closing_error }),

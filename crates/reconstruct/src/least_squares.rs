@@ -13,8 +13,12 @@
 
 use crate::numbering::Numbering;
 use crate::{LinearError, LinearStats, Pins};
+use abf_control::Checkpoint;
 use abf_linalg::{Complex64, Refinement, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::{CornerId, FaceId, Topology, VertexId};
+
+/// After so many faces it is asked whether to go on.
+const BLOCK: usize = 1 << 15;
 
 /// One coordinate per vertex, the pins at 0 and 1.
 pub(crate) fn place(
@@ -22,12 +26,17 @@ pub(crate) fn place(
     angles: &[f64],
     pins: Pins,
     weighted: bool,
+    checkpoint: &mut Checkpoint<'_>,
 ) -> Result<(Vec<Complex64>, LinearStats), LinearError> {
-    let numbering = Numbering::new(topology, &[pins.origin, pins.axis])?;
+    let numbering = Numbering::new(topology, &[pins.origin, pins.axis], checkpoint)?;
+    checkpoint()?;
     let mut matrix = SymmetricMatrix::<Complex64>::zeros(numbering.pattern.clone());
     let mut rhs = vec![Complex64::default(); matrix.size()];
     let axis = Complex64::from(1.0);
     for face in topology.faces() {
+        if face.index().is_multiple_of(BLOCK) {
+            checkpoint()?;
+        }
         let (vertices, coefficients, weight) = equation(topology, angles, face, weighted);
         for (&v, &a) in vertices.iter().zip(&coefficients) {
             let Some(row) = numbering.unknown(v) else { continue };
@@ -42,7 +51,11 @@ pub(crate) fn place(
             }
         }
     }
-    let factors = SymbolicCholesky::analyse(numbering.pattern.clone())?.factorise(&matrix)?;
+    checkpoint()?;
+    let symbolic = SymbolicCholesky::analyse(numbering.pattern.clone())?;
+    checkpoint()?;
+    let factors = symbolic.factorise(&matrix)?;
+    checkpoint()?;
     let stats = factors.solve(&matrix, &mut rhs, Refinement::default())?;
     let mut z: Vec<Complex64> =
         topology.vertices().map(|v| numbering.unknown(v).map_or(Complex64::default(), |u| rhs[u])).collect();

@@ -26,5 +26,5 @@ mod poisson;
 mod tree;
 
 pub use abf_linalg::{LinearError, LinearStats};
-pub use layout::{ANGLE_CLAMP, Layout, LayoutError, LayoutKind, LayoutSettings, aligned, layout};
+pub use layout::{ANGLE_CLAMP, Layout, LayoutError, LayoutKind, LayoutSettings, aligned, layout, layout_asking};
 pub use pins::Pins;

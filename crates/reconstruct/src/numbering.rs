@@ -1,5 +1,6 @@
 //! The free vertices of a layout, ordered for elimination.
 
+use abf_control::Checkpoint;
 use abf_linalg::{Graph, LinearError, Permutation, SymmetricPattern};
 use abf_mesh::{CornerId, Topology, VertexId};
 use std::sync::Arc;
@@ -15,7 +16,11 @@ pub(crate) struct Numbering {
 }
 
 impl Numbering {
-    pub(crate) fn new(topology: &Topology, pinned: &[VertexId]) -> Result<Self, LinearError> {
+    pub(crate) fn new(
+        topology: &Topology,
+        pinned: &[VertexId],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
         let mut free = vec![FIXED; topology.vertex_count()];
         let mut count = 0;
         for v in topology.vertices() {
@@ -27,7 +32,9 @@ impl Numbering {
         let edges = topology.corners().filter_map(|c| edge_once(topology, c));
         let edges = edges.map(|(a, b)| (free[a.index()], free[b.index()])).filter(|&(a, b)| a != FIXED && b != FIXED);
         let graph = Graph::from_edges(count as usize, edges.collect::<Vec<_>>().into_iter());
+        checkpoint()?;
         let order: Permutation = graph.amd()?;
+        checkpoint()?;
         let pattern = Arc::new(SymmetricPattern::of_blocks(&graph, &order, 1));
         let unknown = free.iter().map(|&f| if f == FIXED { f } else { order.new_index(f as usize) as u32 }).collect();
         Ok(Self { unknown, pattern })

@@ -8,8 +8,12 @@
 use crate::numbering::Numbering;
 use crate::tree::EdgeVectors;
 use crate::{LinearError, LinearStats, Pins};
+use abf_control::Checkpoint;
 use abf_linalg::{Complex64, Refinement, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::Topology;
+
+/// After so many corners it is asked whether to go on.
+const BLOCK: usize = 1 << 17;
 
 /// One coordinate per vertex, the first pin at 0.
 pub(crate) fn place(
@@ -17,11 +21,16 @@ pub(crate) fn place(
     angles: &[f64],
     edges: &EdgeVectors,
     pins: Pins,
+    checkpoint: &mut Checkpoint<'_>,
 ) -> Result<(Vec<Complex64>, LinearStats), LinearError> {
-    let numbering = Numbering::new(topology, &[pins.origin])?;
+    let numbering = Numbering::new(topology, &[pins.origin], checkpoint)?;
+    checkpoint()?;
     let mut matrix = SymmetricMatrix::<f64>::zeros(numbering.pattern.clone());
     let (mut x, mut y) = (vec![0.0; matrix.size()], vec![0.0; matrix.size()]);
     for c in topology.corners() {
+        if c.index().is_multiple_of(BLOCK) {
+            checkpoint()?;
+        }
         let weight = angles[c.index()].tan().recip();
         let edge = edges.vector(c) * weight;
         let (from, to) = (numbering.unknown(topology.vertex(c.next())), numbering.unknown(topology.vertex(c.prev())));
@@ -36,8 +45,13 @@ pub(crate) fn place(
             matrix.add(a.max(b), a.min(b), -weight);
         }
     }
-    let factors = SymbolicCholesky::analyse(numbering.pattern.clone())?.factorise(&matrix)?;
+    checkpoint()?;
+    let symbolic = SymbolicCholesky::analyse(numbering.pattern.clone())?;
+    checkpoint()?;
+    let factors = symbolic.factorise(&matrix)?;
+    checkpoint()?;
     let in_x = factors.solve(&matrix, &mut x, Refinement::default())?;
+    checkpoint()?;
     let in_y = factors.solve(&matrix, &mut y, Refinement::default())?;
     let z = topology
         .vertices()

@@ -5,11 +5,15 @@
 //! of the length and the direction of an edge are carried instead. Both are sums of functions of the
 //! angles, so errors add up; coordinates are sums of edge vectors.
 
+use abf_control::{Cancelled, Checkpoint};
 use abf_linalg::Complex64;
 use abf_mesh::{CornerId, FaceId, Topology};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
+
+/// After so many faces it is asked whether to go on.
+const BLOCK: usize = 1 << 16;
 
 /// The edge vectors of every triangle, each triangle having the shape its angles say.
 pub(crate) struct EdgeVectors {
@@ -23,7 +27,11 @@ pub(crate) struct EdgeVectors {
 
 impl EdgeVectors {
     /// Integrates over a breadth-first tree of the dual graph, from face 0.
-    pub(crate) fn integrate(topology: &Topology, angles: &[f64]) -> Self {
+    pub(crate) fn integrate(
+        topology: &Topology,
+        angles: &[f64],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, Cancelled> {
         let corners: Vec<(f64, f64)> = angles.par_iter().map(|x| (*x, x.sin().ln())).collect();
         let mut edges = vec![(f64::NAN, 0.0); angles.len()];
         let mut visits = Vec::with_capacity(topology.face_count());
@@ -32,6 +40,9 @@ impl EdgeVectors {
         edges[0] = (0.0, 0.0);
         reached[0] = true;
         while let Some(entry) = queue.pop_front() {
+            if visits.len().is_multiple_of(BLOCK) {
+                checkpoint()?;
+            }
             visits.push(entry);
             // The edge of the entry is known; the other two follow from it.
             for c in [entry, entry.next()] {
@@ -45,11 +56,13 @@ impl EdgeVectors {
                 }
             }
         }
+        checkpoint()?;
         let closing_error = closing_error(topology, angles, &edges);
+        checkpoint()?;
         // The longest edge gets length 1, so that nothing overflows.
         let longest = edges.par_iter().map(|edge| edge.0).reduce(|| f64::NEG_INFINITY, f64::max);
         edges.par_iter_mut().for_each(|(log_length, _)| *log_length -= longest);
-        Self { edges, visits, closing_error }
+        Ok(Self { edges, visits, closing_error })
     }
 
     /// The vector of the edge facing a corner, from its `next` to its `prev` vertex.
@@ -124,7 +137,7 @@ mod tests {
         let mesh = Shape::Obtuse.mesh(3);
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
         let angles = mesh.corner_angles();
-        let edges = EdgeVectors::integrate(&topology, &angles);
+        let edges = EdgeVectors::integrate(&topology, &angles, &mut || Ok(())).expect("not cancelled");
         for f in topology.faces() {
             let [a, b, c] = f.corners().map(|c| edges.vector(c));
             assert!((a + b + c).norm() < 1e-14);
@@ -139,7 +152,7 @@ mod tests {
     fn a_developable_sheet_closes() {
         let mesh = Shape::FoldedSheet.mesh(2000);
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-        let edges = EdgeVectors::integrate(&topology, &mesh.corner_angles());
+        let edges = EdgeVectors::integrate(&topology, &mesh.corner_angles(), &mut || Ok(())).expect("not cancelled");
         assert!(edges.closing_error < 1e-12, "{}", edges.closing_error);
     }
 }

@@ -17,7 +17,7 @@
 mod full_kkt;
 
 use abf_constraints::{AngleProblem, WheelForm};
-use abf_control::{Observer, StopCriteria};
+use abf_control::{Observer, StopCriteria, Watch};
 use abf_solve_core::{AngleSolution, AngleSolver, DirectStep, FrozenStep, Hessian, NewtonSettings, SolveError};
 
 pub use full_kkt::FullKktStep;
@@ -115,14 +115,20 @@ impl AngleSolver for AbfNewton {
     ) -> Result<AngleSolution, SolveError> {
         let not_diagonal = self.newton.wheel == WheelForm::Product && self.newton.hessian == Hessian::Exact;
         if self.inner == Inner::FullKkt || not_diagonal {
-            self.newton.solve_with(problem, stop, observer, || Ok(FullKktStep::default()))
+            self.newton.solve_with(problem, stop, observer, |_| Ok(FullKktStep::default()))
         } else if self.newton.wheel == WheelForm::Log && self.newton.hessian == Hessian::GaussNewton {
             // Λ = 2w in every step.
             let lambda = problem.weight().iter().map(|w| 2.0 * w).collect();
-            let step = || FrozenStep::new(problem.topology(), problem.rows(), lambda, 0.1 * stop.tolerance);
+            let floor = 0.1 * stop.tolerance;
+            let step = |watch: &mut Watch<'_>| {
+                FrozenStep::new(problem.topology(), problem.rows(), lambda, floor, &mut || watch.checkpoint())
+            };
             self.newton.solve_with(problem, stop, observer, step)
         } else {
-            self.newton.solve_with(problem, stop, observer, || DirectStep::new(problem.topology(), problem.rows()))
+            let step = |watch: &mut Watch<'_>| {
+                DirectStep::asking(problem.topology(), problem.rows(), &mut || watch.checkpoint())
+            };
+            self.newton.solve_with(problem, stop, observer, step)
         }
     }
 }

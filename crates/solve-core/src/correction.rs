@@ -19,7 +19,7 @@
 use crate::wheels::{Block, Given, Spokes, back_substitute, right_hand_side, vertex_block, wheel_blocks};
 use crate::{DirectStep, KktStep, KktSystem, KktVector, LinearError, StepError, StepReport};
 use abf_constraints::{ConstraintRows, WheelDerivative};
-use abf_control::Watch;
+use abf_control::{Checkpoint, Watch};
 use abf_linalg::{Parts, Permutation, SingleCholesky, SymbolicCholesky, vector};
 use abf_mesh::Topology;
 use rayon::prelude::*;
@@ -88,23 +88,33 @@ impl LeastCorrection {
     /// per corner.
     ///
     /// # Errors
-    /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
-    pub fn new(topology: &Topology, rows: &ConstraintRows, lambda: Vec<f64>) -> Result<Self, LinearError> {
+    /// [`LinearError`] when that does not fit in memory or in 32-bit indices, or the checkpoint ends it.
+    pub fn new(
+        topology: &Topology,
+        rows: &ConstraintRows,
+        lambda: Vec<f64>,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
         let inverse: Vec<f64> = lambda.par_iter().with_min_len(PER_TASK).map(|l| 1.0 / l).collect();
         let spokes = Spokes::new(topology, rows);
-        let analyse = || {
-            let graph = spokes.graph(rows);
-            let (order, parts) = graph.in_parts(&graph.amd()?);
-            let pattern = abf_linalg::SymmetricPattern::of_blocks(&graph, &order, 1);
-            SymbolicCholesky::analyse(Arc::new(pattern)).map(|symbolic| (order, parts, symbolic))
-        };
+        let graph = spokes.graph(rows);
+        checkpoint()?;
         // An ordering is one long thread: what else there is to do goes beside it.
-        let (analysed, [a, b, c, d]) = rayon::join(analyse, || {
-            let mut blocks = [(); 4].map(|()| Block::zeros(rows));
-            vertex_block(rows, &inverse, &mut blocks[0]);
-            blocks
-        });
-        let (order, parts, symbolic) = analysed?;
+        let (order, [a, b, c, d]) = rayon::join(
+            || graph.amd(),
+            || {
+                let mut blocks = [(); 4].map(|()| Block::zeros(rows));
+                vertex_block(rows, &inverse, &mut blocks[0]);
+                blocks
+            },
+        );
+        checkpoint()?;
+        let (order, parts) = graph.in_parts(&order?);
+        checkpoint()?;
+        let pattern = abf_linalg::SymmetricPattern::of_blocks(&graph, &order, 1);
+        checkpoint()?;
+        let symbolic = SymbolicCholesky::analyse(Arc::new(pattern))?;
+        checkpoint()?;
         Ok(Self {
             lambda,
             inverse,
@@ -149,9 +159,11 @@ impl LeastCorrection {
         let mut was_frozen = true;
         while was_frozen {
             was_frozen = self.wheel_factor.is_some();
+            watch.checkpoint()?;
             if self.factorise(here.rows).is_err() {
                 break;
             }
+            watch.checkpoint()?;
             let mut solve = Solve::start(self, here);
             let converged = solve.rounds(target(solve.largest_left()), watch)?;
             tried += solve.iterations;
@@ -207,7 +219,8 @@ impl LeastCorrection {
             gradient: if here.gradient.is_empty() { &zero } else { here.gradient },
             residual: here.residual,
         };
-        let mut report = DirectStep::new(here.topology, here.rows)?.step(&kkt, EXACT, watch, out)?;
+        let mut report =
+            DirectStep::asking(here.topology, here.rows, &mut || watch.checkpoint())?.step(&kkt, EXACT, watch, out)?;
         report.iterations += tried;
         Ok(report)
     }
@@ -231,9 +244,15 @@ impl FrozenStep {
     /// them, so that what is left in the constraints is all that is wrong with it.
     ///
     /// # Errors
-    /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
-    pub fn new(topology: &Topology, rows: &ConstraintRows, lambda: Vec<f64>, floor: f64) -> Result<Self, LinearError> {
-        Ok(Self { solver: LeastCorrection::new(topology, rows, lambda)?, floor })
+    /// [`LinearError`] when that does not fit in memory or in 32-bit indices, or the checkpoint ends it.
+    pub fn new(
+        topology: &Topology,
+        rows: &ConstraintRows,
+        lambda: Vec<f64>,
+        floor: f64,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
+        Ok(Self { solver: LeastCorrection::new(topology, rows, lambda, checkpoint)?, floor })
     }
 }
 
@@ -442,7 +461,8 @@ mod tests {
         let planted = Planted::new(700);
         let kkt = planted.kkt();
         let kkt = KktSystem { lambda: kkt.gauss_newton, ..kkt };
-        let mut solver = LeastCorrection::new(kkt.topology, kkt.rows, kkt.lambda.to_vec()).expect("fits");
+        let mut solver =
+            LeastCorrection::new(kkt.topology, kkt.rows, kkt.lambda.to_vec(), &mut || Ok(())).expect("fits");
         let wobble = |(c, x): (usize, f64)| x * (1.0 + 0.02 * (c as f64).sin());
         let moved: Vec<f64> = planted.angles().into_iter().enumerate().map(wobble).collect();
         let other = WheelDerivative::new(WheelForm::Log, kkt.topology, kkt.rows, &moved);
@@ -461,7 +481,8 @@ mod tests {
         let planted = Planted::new(700);
         let kkt = planted.kkt();
         let kkt = KktSystem { lambda: kkt.gauss_newton, ..kkt };
-        let mut solver = LeastCorrection::new(kkt.topology, kkt.rows, kkt.lambda.to_vec()).expect("fits");
+        let mut solver =
+            LeastCorrection::new(kkt.topology, kkt.rows, kkt.lambda.to_vec(), &mut || Ok(())).expect("fits");
         let mut before = 0;
         for target in [1e-2, 1e-5, 1e-9] {
             let (out, report) = solve(&mut solver, &kkt, kkt.wheel, target);
@@ -485,7 +506,8 @@ mod tests {
         let run = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
             pool.install(|| {
-                let mut solver = LeastCorrection::new(kkt.topology, kkt.rows, kkt.lambda.to_vec()).expect("fits");
+                let mut solver =
+                    LeastCorrection::new(kkt.topology, kkt.rows, kkt.lambda.to_vec(), &mut || Ok(())).expect("fits");
                 solve(&mut solver, &kkt, kkt.wheel, 1e-9).0
             })
         };

@@ -3,7 +3,7 @@
 use crate::{KktStep, KktSystem, KktVector, LinearError, ReducedSystem, StepError, StepReport};
 
 use abf_constraints::ConstraintRows;
-use abf_control::Watch;
+use abf_control::{Checkpoint, Watch};
 use abf_linalg::{Refinement, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::Topology;
 use std::sync::Arc;
@@ -25,8 +25,22 @@ impl DirectStep {
     /// # Errors
     /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
     pub fn new(topology: &Topology, rows: &ConstraintRows) -> Result<Self, LinearError> {
+        Self::asking(topology, rows, &mut || Ok(()))
+    }
+
+    /// [`DirectStep::new`] that asks between its parts whether to go on.
+    ///
+    /// # Errors
+    /// As `new`, and [`LinearError::Cancelled`].
+    pub fn asking(
+        topology: &Topology,
+        rows: &ConstraintRows,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
         let system = ReducedSystem::new(topology, rows)?;
+        checkpoint()?;
         let symbolic = SymbolicCholesky::analyse(Arc::clone(system.pattern()))?;
+        checkpoint()?;
         let matrix = SymmetricMatrix::zeros(Arc::clone(system.pattern()));
         let rhs = vec![0.0; matrix.size()];
         Ok(Self { system, symbolic, matrix, rhs })
@@ -49,13 +63,20 @@ impl KktStep for DirectStep {
         let refinement =
             Refinement { tolerance: tolerance.min(Refinement::default().tolerance), ..Refinement::default() };
         let stats = match self.symbolic.factorise(&self.matrix) {
-            Ok(factors) => factors.solve(&self.matrix, &mut self.rhs, refinement)?,
+            Ok(factors) => {
+                watch.checkpoint()?;
+                factors.solve(&self.matrix, &mut self.rhs, refinement)?
+            }
             // Negative entries of Λ may, but need not, make S indefinite.
             Err(LinearError::NotPositiveDefinite { .. }) if kkt.lambda.iter().any(|&l| l < 0.0) => {
-                self.symbolic.factorise_indefinite(&self.matrix)?.solve(&self.matrix, &mut self.rhs, refinement)?
+                watch.checkpoint()?;
+                let factors = self.symbolic.factorise_indefinite(&self.matrix)?;
+                watch.checkpoint()?;
+                factors.solve(&self.matrix, &mut self.rhs, refinement)?
             }
             Err(error) => return Err(error.into()),
         };
+        watch.checkpoint()?;
         self.system.back_substitute(kkt, &self.rhs, out);
         Ok(stats.into())
     }

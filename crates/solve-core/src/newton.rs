@@ -81,12 +81,13 @@ impl NewtonSettings {
         problem: &AngleProblem<'_>,
         stop: &StopCriteria,
         observer: &mut dyn Observer,
-        prepare: impl FnOnce() -> Result<S, LinearError>,
+        prepare: impl FnOnce(&mut Watch<'_>) -> Result<S, LinearError>,
     ) -> Result<AngleSolution, SolveError> {
         stop.check()?;
         self.check()?;
         let mut watch = Watch::start(stop, observer);
-        let mut step = prepare()?;
+        let mut step = prepare(&mut watch)?;
+        watch.checkpoint()?;
         self.run(problem, stop, &mut watch, &mut step)
     }
 

@@ -109,10 +109,10 @@ impl AngleSolver for LinAbf {
     ) -> Result<AngleSolution, SolveError> {
         stop.check()?;
         let mut watch = Watch::start(stop, observer);
-        // The ordering is one long thread: the sines go beside it.
-        let first = || linearise(problem.rows(), problem.estimate());
-        let (inner, first) = rayon::join(|| self.inner(problem, stop), first);
-        let mut run = Run::new(problem, inner?, first);
+        let inner = self.inner(problem, stop, &mut watch)?;
+        let first = linearise(problem.rows(), problem.estimate());
+        watch.checkpoint()?;
+        let mut run = Run::new(problem, inner, first);
         let termination = loop {
             match run.pass(stop, &mut watch) {
                 Ok(()) => {}
@@ -135,13 +135,19 @@ impl LinAbf {
     /// A number of passes is that many factorisations of `S`, each in the metric of its own estimate. Passes
     /// until the residual is met start close to each other: they keep the metric of the first, and each
     /// computes no more digits than the next can use.
-    fn inner(&self, problem: &AngleProblem<'_>, stop: &StopCriteria) -> Result<Inner, SolveError> {
+    fn inner(
+        &self,
+        problem: &AngleProblem<'_>,
+        stop: &StopCriteria,
+        watch: &mut Watch<'_>,
+    ) -> Result<Inner, SolveError> {
         let (topology, rows) = (problem.topology(), problem.rows());
         Ok(match self.passes {
             Passes::Auto if stop.max_iterations > 1 => {
-                Inner::Inexact(Box::new(LeastCorrection::new(topology, rows, metric(problem.estimate()))?))
+                let lambda = metric(problem.estimate());
+                Inner::Inexact(Box::new(LeastCorrection::new(topology, rows, lambda, &mut || watch.checkpoint())?))
             }
-            _ => Inner::Direct(Box::new(DirectStep::new(topology, rows)?)),
+            _ => Inner::Direct(Box::new(DirectStep::asking(topology, rows, &mut || watch.checkpoint())?)),
         })
     }
 

@@ -13,7 +13,7 @@
 mod step;
 
 use abf_constraints::AngleProblem;
-use abf_control::{Observer, StopCriteria};
+use abf_control::{Observer, StopCriteria, Watch};
 use abf_solve_core::{AngleSolution, AngleSolver, Hessian, IterativeSettings, NewtonSettings, SolveError};
 
 pub use step::MinresStep;
@@ -48,7 +48,7 @@ impl AngleSolver for Minres {
         observer: &mut dyn Observer,
     ) -> Result<AngleSolution, SolveError> {
         self.iterative.check(&self.newton)?;
-        let prepare = || MinresStep::new(problem.topology(), problem.rows(), self.iterative);
+        let prepare = |_: &mut Watch<'_>| MinresStep::new(problem.topology(), problem.rows(), self.iterative);
         self.newton.solve_with(problem, stop, observer, prepare)
     }
 }

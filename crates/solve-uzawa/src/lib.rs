@@ -14,7 +14,7 @@ mod step;
 mod uzawa;
 
 use abf_constraints::AngleProblem;
-use abf_control::{Observer, StopCriteria};
+use abf_control::{Observer, StopCriteria, Watch};
 use abf_solve_core::{AngleSolution, AngleSolver, Hessian, IterativeSettings, NewtonSettings, SolveError};
 
 pub use step::UzawaStep;
@@ -50,7 +50,7 @@ impl AngleSolver for Uzawa {
         observer: &mut dyn Observer,
     ) -> Result<AngleSolution, SolveError> {
         self.iterative.check(&self.newton)?;
-        let prepare = || UzawaStep::new(problem.topology(), problem.rows(), self.iterative);
+        let prepare = |_: &mut Watch<'_>| UzawaStep::new(problem.topology(), problem.rows(), self.iterative);
         self.newton.solve_with(problem, stop, observer, prepare)
     }
 }

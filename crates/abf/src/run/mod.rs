@@ -7,7 +7,7 @@ mod thin;
 use crate::settings::{Method, Pipeline, Solver, SolverKind, ZeroArea, predict_memory};
 use crate::{FlattenError, Flattening};
 use abf_constraints::{AngleProblem, EstimateSettings};
-use abf_control::{Observer, Silent, Stage, TimeBudget};
+use abf_control::{Event, Observer, Silent, Stage, TimeBudget, ask};
 use abf_mesh::{GeometryError, Topology, TriMesh};
 use abf_reconstruct::LayoutKind;
 use abf_solve_linabf::LinAbf;
@@ -57,6 +57,7 @@ impl Pipeline {
         let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
         let (topology, angles) =
             rayon::join(|| Topology::build(mesh.vertex_count(), mesh.faces()), || self.corner_angles(mesh, working));
+        ask(observer, Event::Working)?;
         let topology = topology?;
         let angles = angles?;
         let pose = |estimate: EstimateSettings, angles: Vec<f64>| match shape {
@@ -74,6 +75,7 @@ impl Pipeline {
             }
         };
         let problem = pose(self.estimate, angles.clone())?;
+        ask(observer, Event::Working)?;
         let flat = solve(&problem, self, observer);
         if problem.thin_corners() == 0 || !self.uses_the_estimate() || budget.is_spent() {
             return flat;
@@ -149,7 +151,7 @@ fn check_memory(solver: &Solver, asked: SolverKind, limit: Option<u64>, mesh: &T
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abf_control::{Event, Verdict};
+    use abf_control::Verdict;
     use abf_shapes::Shape;
     use abf_solve_uzawa::Uzawa;
 

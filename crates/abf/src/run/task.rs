@@ -6,8 +6,8 @@ use abf_constraints::{AngleProblem, KktCounts, WheelForm};
 use abf_control::{Cancelled, Event, Observer, Stage, StopCriteria, Termination, Verdict, ask};
 use abf_embed::Descent;
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap};
-use abf_metrics::{Certificate, certify_connected};
-use abf_reconstruct::{Layout, LayoutKind, LayoutSettings, aligned, layout};
+use abf_metrics::{Certificate, certify_connected_asking};
+use abf_reconstruct::{Layout, LayoutKind, LayoutSettings, aligned, layout_asking};
 use abf_solve_core::{AngleSolution, AngleSolver};
 
 /// A problem, and what is asked of it whichever solver it is.
@@ -86,11 +86,13 @@ impl<'t> Task<'t> {
         // A stopped solve still has angles worth laying out.
         ask(observer, Event::StageStarted(Stage::Layout))?;
         let angles = solution.as_ref().map_or(self.given.problem.mesh_angles(), AngleSolution::angles);
-        let Layout { uv, kind, linear, closing_error, moved_angles } =
-            layout(self.given.mesh, self.given.problem.topology(), angles, &settings)?;
+        let Layout { uv, kind, linear, closing_error, moved_angles } = {
+            let checkpoint = &mut || ask(observer, Event::Working);
+            layout_asking(self.given.mesh, self.given.problem.topology(), angles, &settings, checkpoint)?
+        };
         let uv = if self.given.pipeline.normalize { uv.normalized() } else { uv };
         ask(observer, Event::StageStarted(Stage::Certificate))?;
-        let certified = self.certified(uv)?;
+        let certified = self.certified(uv, observer)?;
         let report = LayoutReport {
             kind: Some(kind),
             linear_residual: linear.map(|stats| stats.relative_residual),
@@ -116,7 +118,7 @@ impl<'t> Task<'t> {
         ask(observer, Event::StageStarted(Stage::Layout))?;
         let candidates = self.placements(&descended.uv, descended.area_matched);
         ask(observer, Event::StageStarted(Stage::Certificate))?;
-        let (certified, pinned, scaled) = self.first_valid(candidates)?;
+        let (certified, pinned, scaled) = self.first_valid(candidates, observer)?;
         let solution =
             AngleSolution::measure(self.given.problem, descended.angles, descended.termination, descended.iterations);
         let report =
@@ -142,10 +144,14 @@ impl<'t> Task<'t> {
     }
 
     /// The first of these drawings that is valid as it will be stored; the first of all if none is.
-    fn first_valid(&self, places: Vec<(UvMap, bool, bool)>) -> Result<(Certified, bool, bool), FlattenError> {
+    fn first_valid(
+        &self,
+        places: Vec<(UvMap, bool, bool)>,
+        observer: &mut dyn Observer,
+    ) -> Result<(Certified, bool, bool), FlattenError> {
         let mut first = None;
         for (uv, pinned, scaled) in places {
-            let placed = (self.certified(uv)?, pinned, scaled);
+            let placed = (self.certified(uv, observer)?, pinned, scaled);
             if placed.0.certificate.valid() {
                 return Ok(placed);
             }
@@ -154,11 +160,13 @@ impl<'t> Task<'t> {
         Ok(first.expect("there is always the drawing as it is"))
     }
 
-    fn certified(&self, uv: UvMap) -> Result<Certified, FlattenError> {
+    fn certified(&self, uv: UvMap, observer: &mut dyn Observer) -> Result<Certified, FlattenError> {
         let precision = self.given.pipeline.precision;
         let scale = if self.given.pipeline.normalize { 1.0 } else { self.given.scale };
         let uv = uv.mapped(|p| p.map(|x| precision.round(x / scale)));
-        let certificate = certify_connected(self.given.original, self.given.problem.topology(), &uv, precision)?;
+        let topology = self.given.problem.topology();
+        let checkpoint = &mut || ask(observer, Event::Working);
+        let certificate = certify_connected_asking(self.given.original, topology, &uv, precision, checkpoint)?;
         Ok(Certified { uv, certificate })
     }
 

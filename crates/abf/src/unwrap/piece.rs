@@ -11,7 +11,7 @@ use abf_constraints::AngleProblem;
 use abf_control::{Cancelled, Event, Observer, Stage, Termination, Verdict, ask};
 use abf_cut::{Chart, HoleFilling, distances, extend};
 use abf_mesh::{Topology, TriMesh, UvMap, VertexId};
-use abf_reconstruct::{LayoutKind, LayoutSettings, layout};
+use abf_reconstruct::{LayoutKind, LayoutSettings, layout_asking};
 use abf_solve_core::AngleSolver;
 use abf_solve_linabf::{LinAbf, Passes};
 use std::f64::consts::{PI, TAU};
@@ -270,7 +270,8 @@ impl Component<'_, '_> {
         }
         ask(observer, Event::Working)?;
         let kind = LayoutSettings { kind: LayoutKind::LeastSquares, ..settings.layout };
-        Ok(layout(&chart.mesh, &chart.topology, solution.angles(), &kind)?.uv)
+        let checkpoint = &mut || ask(observer, Event::Working);
+        Ok(layout_asking(&chart.mesh, &chart.topology, solution.angles(), &kind, checkpoint)?.uv)
     }
 }
 

@@ -78,15 +78,17 @@ impl BoxTree {
         }
     }
 
-    /// Calls `visit` once for every two items of leaves whose boxes meet.
-    pub(super) fn pairs(&self, mut visit: impl FnMut(u32, u32)) {
+    /// Calls `visit` once for every two items of leaves whose boxes meet, until it fails.
+    pub(super) fn pairs<E>(&self, mut visit: impl FnMut(u32, u32) -> Result<(), E>) -> Result<(), E> {
         let mut stack = if self.nodes.is_empty() { vec![] } else { vec![(0, 0)] };
         while let Some((j, k)) = stack.pop() {
             let (a, b) = (&self.nodes[j], &self.nodes[k]);
             if j == k {
                 if a.second == 0 {
                     let items = self.items_of(a);
-                    items.iter().enumerate().for_each(|(i, &x)| items[i + 1..].iter().for_each(|&y| visit(x, y)));
+                    for (i, &x) in items.iter().enumerate() {
+                        items[i + 1..].iter().try_for_each(|&y| visit(x, y))?;
+                    }
                 } else {
                     let (first, second) = (j + 1, a.second as usize);
                     stack.extend([(first, first), (second, second), (first, second)]);
@@ -100,11 +102,12 @@ impl BoxTree {
                     stack.extend([(j, k + 1), (j, b.second as usize)]);
                 } else {
                     for &x in self.items_of(a) {
-                        self.items_of(b).iter().for_each(|&y| visit(x, y));
+                        self.items_of(b).iter().try_for_each(|&y| visit(x, y))?;
                     }
                 }
             }
         }
+        Ok(())
     }
 
     fn items_of(&self, node: &Node) -> &[u32] {

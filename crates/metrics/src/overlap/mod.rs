@@ -25,12 +25,16 @@ mod shallow;
 
 use crate::charts::DisjointSets;
 use crate::sheet::{Fan, Sheet};
+use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::predicates::orient2d;
 use abf_mesh::{FaceId, Point2};
 use box_tree::{BoxTree, Extent};
 use meeting::Meeting;
 use outline::{Outline, Segment};
 use shallow::Shallow;
+
+/// After so many pairs of segments it is asked whether to go on.
+const PAIRS: usize = 1 << 16;
 
 /// Where a map covers the plane more than once.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,20 +63,25 @@ impl Overlaps {
         twice: &[Fan],
         listed: usize,
         rounding: impl Fn(FaceId) -> f64,
-    ) -> Self {
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, Cancelled> {
         let outline = Outline::new(sheet);
         let mut found = Self::default();
         let mut pieces = DisjointSets::new(outline.spots.len());
         outline.segments.iter().for_each(|s| pieces.join(s.low as usize, s.high as usize));
         let tree = BoxTree::new((0..outline.segments.len() as u32).collect(), |s| outline.extent(s));
-        let (passes, shallow) = found.cross(&outline, &tree, &mut pieces, listed, rounding);
+        checkpoint()?;
+        let (passes, shallow) = found.cross(&outline, &tree, &mut pieces, listed, rounding, checkpoint)?;
+        checkpoint()?;
         let fans = fans_at_spots(sheet, &outline, fans);
         found.meet(sheet, &outline, (&fans, twice), &passes, listed);
+        checkpoint()?;
         found.nest(sheet, &outline, &fans, &mut pieces, listed);
+        checkpoint()?;
         if !shallow.is_empty() {
             found.settle(sheet, &outline, &tree, &shallow, &mut pieces, listed);
         }
-        found
+        Ok(found)
     }
 
     /// Finds crossings, and returns where a segment passes a spot that is not its end, and the crossings within rounding.
@@ -83,13 +92,19 @@ impl Overlaps {
         pieces: &mut DisjointSets,
         listed: usize,
         rounding: impl Fn(FaceId) -> f64,
-    ) -> (Vec<(u32, u32)>, Vec<Shallow>) {
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(Vec<(u32, u32)>, Vec<Shallow>), Cancelled> {
         let mut passes = Vec::new();
         let mut shallow = Vec::new();
         let mut crossed: Vec<[Option<FaceId>; 2]> = Vec::new();
+        let mut looked_at = 0_usize;
         tree.pairs(|i, j| {
+            looked_at += 1;
+            if looked_at.is_multiple_of(PAIRS) {
+                checkpoint()?;
+            }
             if !outline.extent(i).meets(&outline.extent(j)) {
-                return;
+                return Ok(());
             }
             let [a, b] = [i, j].map(|s| outline.segments[s as usize]);
             let sides = [a.low, a.high].map(|spot| side_of(outline, &b, spot));
@@ -102,7 +117,7 @@ impl Overlaps {
                 let depth = shallow::depth(outline, &a, &b);
                 if depth <= limit {
                     shallow.push(Shallow { depth, limit, segment: i, faces });
-                    return;
+                    return Ok(());
                 }
                 self.crossings += 1;
                 // Two triangles may cross six times.
@@ -117,12 +132,13 @@ impl Overlaps {
                     passes.push((spot, segment));
                 }
             }
-        });
+            Ok(())
+        })?;
         crossed.into_iter().for_each(|faces| self.name(faces, listed));
         passes.sort_unstable();
         passes.dedup();
         passes.iter().for_each(|&(spot, s)| pieces.join(spot as usize, outline.segments[s as usize].low as usize));
-        (passes, shallow)
+        Ok((passes, shallow))
     }
 
     /// Looks around every spot where more than one fan or segment is.
