@@ -22,17 +22,17 @@ pub(crate) struct Failure {
     /// What to try next.
     pub(crate) hint: String,
     /// Where, as far as that is known.
-    #[serde(default, skip_serializing_if = "Location::is_unknown")]
-    pub(crate) at: Location,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) at: Option<Box<Location>>,
 }
 
 impl Failure {
     fn new((kind, hint): (FailureKind, &str), message: String) -> Self {
-        Self { kind, message, hint: hint.to_owned(), at: Location::default() }
+        Self { kind, message, hint: hint.to_owned(), at: None }
     }
 
     fn at(self, at: Location) -> Self {
-        Self { at, ..self }
+        Self { at: (!at.is_unknown()).then(|| Box::new(at)), ..self }
     }
 
     /// A file that cannot be read.

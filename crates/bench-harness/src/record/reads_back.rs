@@ -33,7 +33,7 @@ impl Dice {
     }
 
     fn yes(&mut self) -> bool {
-        self.0.next_u32() % 2 == 0
+        self.0.next_u32().is_multiple_of(2)
     }
 
     /// Any finite number.
@@ -44,7 +44,7 @@ impl Dice {
 
     /// Any number, infinity included.
     fn figure(&mut self) -> f64 {
-        if self.0.next_u32() % 8 == 0 { f64::INFINITY } else { self.number() }
+        if self.0.next_u32().is_multiple_of(8) { f64::INFINITY } else { self.number() }
     }
 
     fn text(&mut self) -> String {
@@ -71,7 +71,7 @@ impl Dice {
 
     /// The name of a solver of ours, or of someone's own.
     fn solver(&mut self) -> String {
-        if self.0.next_u32() % 4 == 0 { self.text() } else { self.one_of(&SolverKind::ALL).to_string() }
+        if self.0.next_u32().is_multiple_of(4) { self.text() } else { self.one_of(&SolverKind::ALL).to_string() }
     }
 
     fn size(&mut self) -> Size {
@@ -259,15 +259,17 @@ impl Dice {
             kind: self.one_of(&[BadNumber, Cancelled, Closed, Internal, NonManifoldEdge, UvNotFinite]),
             message: self.text(),
             hint: self.text(),
-            at: Location {
-                line: self.maybe(Self::count),
-                byte: self.maybe(Self::count),
-                path: self.maybe(Self::text),
-                faces: self.some(Self::count),
-                vertices: self.some(Self::count),
-                corner: self.maybe(Self::count),
-                count: self.maybe(Self::count),
-            },
+            at: self.maybe(|dice| {
+                Box::new(Location {
+                    line: dice.maybe(Self::count),
+                    byte: dice.maybe(Self::count),
+                    path: dice.maybe(Self::text),
+                    faces: dice.some(Self::count),
+                    vertices: dice.some(Self::count),
+                    corner: dice.maybe(Self::count),
+                    count: dice.maybe(Self::count),
+                })
+            }),
         }
     }
 

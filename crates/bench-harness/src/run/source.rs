@@ -54,13 +54,18 @@ impl Source {
                     let document = ObjDocument::read(path).map_err(failed)?;
                     // A writer of meshes would write all there is in it.
                     let is_plain = !holds_more(document.file()) && !document.has_comments();
-                    Ok(if is_plain { Document::Plain(document.into_file()) } else { Document::Obj(Box::new(document)) })
+                    Ok(if is_plain {
+                        Document::Plain(Box::new(document.into_file()))
+                    } else {
+                        Document::Obj(Box::new(document))
+                    })
                 }
-                _ => Ok(Document::Plain(read(path).map_err(failed)?)),
+                _ => Ok(Document::Plain(Box::new(read(path).map_err(failed)?))),
             },
             Self::Builtin => {
                 let mesh = default_fixture().mesh();
-                Ok(Document::Plain(MeshFile { mesh, uv: None, notes: ReadNotes::default() }))
+                let file = MeshFile { mesh, uv: None, notes: ReadNotes::default() };
+                Ok(Document::Plain(Box::new(file)))
             }
         }
     }
@@ -74,7 +79,7 @@ pub(crate) enum Document {
     /// A glTF, to be written with other UVs.
     Gltf(Box<Gltf>),
     /// A file of which the mesh is all.
-    Plain(MeshFile),
+    Plain(Box<MeshFile>),
 }
 
 impl Document {

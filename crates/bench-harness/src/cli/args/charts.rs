@@ -34,7 +34,7 @@ pub(crate) struct ChartArgs {
     pub(crate) cut_disks: bool,
     /// Which vertices in one place are joined where that makes boundary edges meet: those within rounding, but none in a
     /// file that is one disk; none; or those at most DISTANCE apart [default: auto]
-    #[arg(long, value_name = "auto|off|DISTANCE", allow_negative_numbers = true, help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, value_name = "auto|off|DISTANCE", allow_negative_numbers = true, help_heading = CHARTS)]
     pub(crate) weld: Option<Weld>,
     /// Refuse meshes that need repair, and faces without area
     #[arg(long, hide_short_help = true, help_heading = CHARTS)]
@@ -52,13 +52,13 @@ pub(crate) struct ChartArgs {
     #[arg(long, value_name = "N", help_heading = CHARTS)]
     pub(crate) margin: Option<u32>,
     /// How hard to try to fill the atlas: milliseconds, about a second, or several [default: good]
-    #[arg(long, value_name = "EFFORT", value_parser = one_of::<Effort, _>(Effort::ALL.map(Effort::name)), help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, value_name = "EFFORT", value_parser = one_of::<Effort, _>(Effort::ALL.map(Effort::name)), help_heading = CHARTS)]
     pub(crate) pack: Option<Effort>,
     /// How many pages the charts may take that share pages [default: 1]
-    #[arg(long, value_name = "N", help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, value_name = "N", help_heading = CHARTS)]
     pub(crate) max_pages: Option<usize>,
     /// Texels per unit of the mesh, on as many pages as that takes [default: as many as fit]
-    #[arg(long, value_name = "T", help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, value_name = "T", help_heading = CHARTS)]
     pub(crate) texels_per_unit: Option<f64>,
     /// Write the seams as lines: obj
     #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = CHARTS)]
