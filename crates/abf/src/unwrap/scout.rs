@@ -9,8 +9,8 @@ use crate::FlattenError;
 use abf_cut::{Chart, EdgeCosts, HoleFilling, extend, simplify};
 use abf_mesh::{FaceId, Topology, TriMesh, VertexId};
 
-/// Pieces of fewer faces are not worth it.
-const LARGE: usize = 6000;
+/// Pieces of fewer faces are not worth it: their seams come out with a larger F.
+const LARGE: usize = 30_000;
 
 /// The coarse mesh has at least so many faces …
 const LEAST: usize = 3000;

@@ -1,6 +1,6 @@
 //! Meshes that are no disks become charts in an atlas.
 
-use crate::support::{Folder, fixture, run_on};
+use crate::support::{Folder, Ran, fixture, run_on};
 use crate::surfaces;
 use serde_json::Value;
 use std::fs;
@@ -21,7 +21,9 @@ fn a_closed_surface_is_cut_packed_and_written() {
     let result = ran.result();
     assert_eq!((&result["valid"], &result["injective"]), (&true.into(), &true.into()));
     let atlas = &result["atlas"];
-    assert_eq!(atlas["charts"].as_array().map(Vec::len), Some(1));
+    // A coarse torus is made of developable rings.
+    let charts = atlas["charts"].as_array().expect("charts");
+    assert!(charts.iter().all(|chart| chart["stretch_l2"].as_f64() <= Some(1.15)), "{atlas}");
     assert!(atlas["seam_edges"].as_u64() > Some(4), "two loops that cross: {atlas}");
     let written = judged(&out);
     assert_eq!((&written["injective"], &written["f"]), (&true.into(), &result["f"]));
@@ -93,7 +95,8 @@ fn a_component_without_area_does_not_cost_the_others_their_charts() {
     let ran = run_on("--json -", &[&folder.file("mesh.obj", text)]);
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     assert!(ran.stderr.contains("1 face of components without any area put into one point"), "{}", ran.stderr);
-    assert_eq!(ran.result()["atlas"]["charts"].as_array().map(Vec::len), Some(1));
+    let charts = |ran: &Ran| ran.result()["atlas"]["charts"].as_array().map(Vec::len);
+    assert_eq!(charts(&ran), charts(&run_on("--json -", &[&folder.file("torus.obj", &torus)])));
 }
 
 #[test]
