@@ -54,6 +54,9 @@ pub(crate) struct Overlaps {
     pub(crate) faces: Vec<[FaceId; 2]>,
 }
 
+/// Where segments pass spots that are not their ends, and the crossings within rounding.
+type Crossings = (Vec<(u32, u32)>, Vec<Shallow>);
+
 impl Overlaps {
     /// Finds them; at most `listed` pairs of faces are named. `fans` are the fans on the boundary, `twice`
     /// those of them that wind more than once. `rounding` is how far rounding may move the coordinates of the chart of a face.
@@ -93,7 +96,7 @@ impl Overlaps {
         listed: usize,
         rounding: impl Fn(FaceId) -> f64,
         checkpoint: &mut Checkpoint<'_>,
-    ) -> Result<(Vec<(u32, u32)>, Vec<Shallow>), Cancelled> {
+    ) -> Result<Crossings, Cancelled> {
         let mut passes = Vec::new();
         let mut shallow = Vec::new();
         let mut crossed: Vec<[Option<FaceId>; 2]> = Vec::new();
