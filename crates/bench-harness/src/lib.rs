@@ -2,11 +2,11 @@
 //!
 //! One program with two names, `abf` and `bench-harness`. Its rooms, each of which uses only those before it:
 //!
-//! * [`record`]: everything that is known about one mesh and one solver, and its JSON;
-//! * [`cli`]: what was typed, and what was meant by it;
-//! * [`show`]: tables, advice and files;
-//! * [`run`]: reading meshes, flattening them, and watching that;
-//! * [`commands`]: flatten, `compare`, `survey`, `metrics` and `fixtures`.
+//! * `record`: everything that is known about one mesh and one solver, and its JSON;
+//! * `cli`: what was typed, and what was meant by it;
+//! * `show`: tables, advice and files;
+//! * `run`: reading meshes, flattening them, and watching that;
+//! * `commands`: flatten, `compare`, `survey`, `metrics` and `fixtures`.
 //!
 //! Only this crate prints and reads the clock.
 

@@ -16,7 +16,7 @@ const AT_LEAST: u64 = 64_000;
 /// disk of so many triangles and vertices.
 ///
 /// It is above what is measured, and mostly below twice that: round meshes with vertices of about six faces come
-/// close to it, long ones and those with few interior vertices take less. Of [`SolverKind::Auto`] it is what its last rung
+/// close to it, long ones and those with few interior vertices take less. Of [`Solver::Auto`] it is what its last rung
 /// takes, a multiple of the first, which mostly is enough. Not in it: the code, thread
 /// stacks, what a solver of a user's own takes, and the scratch of the matrix library, which is sized after the processor's caches.
 #[must_use]
