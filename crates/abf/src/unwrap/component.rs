@@ -6,7 +6,7 @@ use super::{SeamRule, Unwrap};
 use crate::{FlattenError, Pipeline, ZeroArea};
 use abf_constraints::ProblemError;
 use abf_control::{Cancelled, Termination, TimeBudget};
-use abf_cut::{Chart, EdgeCosts, Seams, hard_surface, split, two_parts};
+use abf_cut::{Chart, CostSettings, EdgeCosts, Seams, hard_surface, split, two_parts};
 use abf_embed::EmbedError;
 use abf_mesh::{CornerId, FaceId, Topology, TriMesh};
 use abf_metrics::MetricsError;
@@ -141,23 +141,9 @@ impl<'o> Component<'_, 'o> {
         Pipeline { normalize, zero_area, stop, ..self.settings.pipeline.clone() }
     }
 
-    /// The costs of cutting a piece with its holes closed. Seams may not run inside a hole; along its rim they cost nothing,
-    /// because nothing is cut there.
+    /// The costs of cutting a piece with its holes closed by the faces from `real` on.
     pub(super) fn costs(&self, piece: &Chart, mesh: &TriMesh, topology: &Topology, real: usize) -> EdgeCosts {
-        let is_virtual = |c: CornerId| c.face().index() >= real;
-        let sides = |c: CornerId| (is_virtual(c), topology.opposite(c).is_none_or(is_virtual));
-        let is_forbidden = |c: CornerId| match sides(c) {
-            (true, true) => true,
-            (false, false) => self.is_forbidden_in(piece, c),
-            _ => false,
-        };
-        let mut costs = EdgeCosts::new(mesh, topology, &self.settings.costs, is_forbidden);
-        for c in topology.corners().filter(|&c| is_virtual(c)) {
-            if topology.opposite(c).is_some_and(|o| !is_virtual(o)) {
-                costs.set(topology, c, 0.0);
-            }
-        }
-        costs
+        costs_with_caps(mesh, topology, real, &self.settings.costs, |c| self.is_forbidden_in(piece, c))
     }
 
     /// Whether a chart is as it should be.
@@ -192,6 +178,31 @@ pub(super) fn parts_of_faces(piece: &Chart, sets: &[Vec<FaceId>]) -> Result<Vec<
     let is_asked =
         |chart: &Chart| piece.faces.binary_search(&chart.faces[0]).is_ok_and(|place| set_of[place] != u32::MAX);
     Ok(charts.into_iter().filter(is_asked).collect())
+}
+
+/// The costs of cutting a mesh whose holes are closed by the faces from `real` on. Seams may not run inside a hole; along its
+/// rim they cost nothing, because nothing is cut there. `is_forbidden` is asked about the other edges.
+pub(super) fn costs_with_caps(
+    mesh: &TriMesh,
+    topology: &Topology,
+    real: usize,
+    settings: &CostSettings,
+    is_forbidden: impl Fn(CornerId) -> bool,
+) -> EdgeCosts {
+    let is_virtual = |c: CornerId| c.face().index() >= real;
+    let sides = |c: CornerId| (is_virtual(c), topology.opposite(c).is_none_or(is_virtual));
+    let is_forbidden = |c: CornerId| match sides(c) {
+        (true, true) => true,
+        (false, false) => is_forbidden(c),
+        (true, false) | (false, true) => false,
+    };
+    let mut costs = EdgeCosts::new(mesh, topology, settings, is_forbidden);
+    for c in topology.corners().filter(|&c| is_virtual(c)) {
+        if topology.opposite(c).is_some_and(|o| !is_virtual(o)) {
+            costs.set(topology, c, 0.0);
+        }
+    }
+    costs
 }
 
 /// Whether the same error would come of every piece: a setting, or a limit that was asked for.

@@ -1,12 +1,12 @@
 //! Seams of large pieces, looked for on a coarser mesh: the rounds of a thousand faces cost next to nothing.
 
-use super::component::Component;
+use super::component::{Component, costs_with_caps};
 use super::piece::Progress;
 use super::stretch::Stretch;
 use super::surface::Surface;
 use super::{SeamRule, Unwrap};
 use crate::FlattenError;
-use abf_cut::{Chart, EdgeCosts, HoleFilling, extend, simplify};
+use abf_cut::{Chart, HoleFilling, extend, simplify};
 use abf_mesh::{FaceId, Topology, TriMesh, VertexId};
 
 /// Pieces of fewer faces are not worth it: their seams come out with a larger F.
@@ -48,7 +48,9 @@ impl Component<'_, '_> {
         rounds: &mut Vec<Vec<VertexId>>,
     ) -> Result<(), FlattenError> {
         let Unwrap { max_stretch, costs, .. } = *self.settings;
-        let costs = |mesh: &TriMesh, topology: &Topology, real: usize| coarse_costs(mesh, topology, real, &costs);
+        // No edge of the coarse mesh is one of the file, so the hints forbid none.
+        let costs =
+            |mesh: &TriMesh, topology: &Topology, real: usize| costs_with_caps(mesh, topology, real, &costs, |_| false);
         let mut surface = Surface::new(coarse, filling, &costs)?;
         let mut progress = Progress::default();
         while self.interruption().is_none() {
@@ -69,17 +71,4 @@ impl Component<'_, '_> {
         }
         Ok(())
     }
-}
-
-/// The costs of a coarse mesh: no edge of it is one of the file, so none is forbidden but those inside of holes.
-fn coarse_costs(mesh: &TriMesh, topology: &Topology, real: usize, settings: &abf_cut::CostSettings) -> EdgeCosts {
-    let is_virtual = |c: abf_mesh::CornerId| c.face().index() >= real;
-    let is_inside = |c| is_virtual(c) && topology.opposite(c).is_none_or(is_virtual);
-    let mut costs = EdgeCosts::new(mesh, topology, settings, is_inside);
-    for c in topology.corners().filter(|&c| is_virtual(c)) {
-        if topology.opposite(c).is_some_and(|o| !is_virtual(o)) {
-            costs.set(topology, c, 0.0);
-        }
-    }
-    costs
 }
