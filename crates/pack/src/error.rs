@@ -1,19 +1,14 @@
 //! Why pieces cannot be packed.
 
+use abf_control::SettingError;
+
 /// Why pieces cannot be packed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PackError {
     /// A setting outside its range.
-    #[error("{name} must be {allowed}, got {value}")]
-    Setting {
-        /// Which setting.
-        name: &'static str,
-        /// What it may be.
-        allowed: &'static str,
-        /// What it was.
-        value: f64,
-    },
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// The margins along the border leave nothing of the page.
     #[error(
         "a page of {width} × {height} texels has no room inside a margin of {margin}: take a larger page or a smaller margin"

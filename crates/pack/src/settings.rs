@@ -1,8 +1,7 @@
 //! What pages are like, and how hard to try.
 
 use crate::PackError;
-use std::fmt;
-use std::str::FromStr;
+use abf_control::{SettingError, UnknownName};
 
 /// How pieces are packed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +29,20 @@ impl Default for PackSettings {
 }
 
 /// How hard to try. More effort never covers less than boxes do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    Hash,
+    strum::Display,
+    strum::EnumString,
+    strum::IntoStaticStr,
+    strum::VariantNames,
+)]
+#[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Effort {
@@ -49,28 +61,13 @@ impl Effort {
 
     /// The name on the command line.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fast => "fast",
-            Self::Good => "good",
-            Self::Best => "best",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
-impl fmt::Display for Effort {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for Effort {
-    type Err = String;
-
-    fn from_str(s: &str) -> Result<Self, String> {
-        let names = || Self::ALL.map(Self::name).join(", ");
-        Self::ALL.into_iter().find(|effort| effort.name() == s).ok_or_else(|| format!("'{s}' is none of {}", names()))
-    }
+fn unknown(given: &str) -> UnknownName {
+    UnknownName::of::<Effort>("packing effort", given)
 }
 
 impl PackSettings {
@@ -85,7 +82,7 @@ impl PackSettings {
     /// # Errors
     /// [`PackError::Setting`] and [`PackError::PageTooSmall`].
     pub fn check(&self) -> Result<(), PackError> {
-        let wrong = |name, allowed, value| Err(PackError::Setting { name, allowed, value });
+        let wrong = |name, allowed, value: f64| Err(SettingError::new(name, allowed, value).into());
         let [width, height] = self.page;
         for side in self.page {
             if !(1..=Self::MAX_SIDE).contains(&side) {
@@ -157,6 +154,6 @@ mod tests {
     #[test]
     fn every_effort_reads_back_from_its_name() {
         Effort::ALL.into_iter().for_each(|effort| assert_eq!(effort.name().parse(), Ok(effort)));
-        assert!("slow".parse::<Effort>().unwrap_err().contains("fast, good, best"));
+        assert!("slow".parse::<Effort>().unwrap_err().to_string().contains("fast, good, best"));
     }
 }
