@@ -35,6 +35,7 @@ pub use abf_cut as cut;
 pub use abf_embed as embed;
 pub use abf_mesh as mesh;
 pub use abf_metrics as metrics;
+pub use abf_parallel as parallel;
 pub use abf_reconstruct as reconstruct;
 pub use abf_solve_core as solve_core;
 
@@ -61,7 +62,7 @@ pub use settings::*;
 pub use unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped, UnwrappedChart};
 
 /// The code in the documents compiles and runs.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "io"))]
 mod documents {
     #[doc = include_str!("../../../README.md")]
     struct Readme;

@@ -11,6 +11,7 @@ use std::collections::BTreeSet;
 /// never see each other.
 const LAYERS: &[(&str, u32)] = &[
     ("abf-control", 0),
+    ("abf-parallel", 0),
     ("abf-mesh", 1),
     ("abf-linalg", 1),
     ("abf-pack", 1),
@@ -208,6 +209,14 @@ fn files_are_short_enough_to_be_read() {
 fn only_linalg_names_faer() {
     for package in metadata().packages {
         assert!(*package.name == "abf-linalg" || dependencies(&package).all(|d| d != "faer"), "{}", package.name);
+    }
+}
+
+#[test]
+fn only_parallel_and_the_program_name_rayon() {
+    for package in metadata().packages {
+        let names_it = package.dependencies.iter().any(|d| d.name == "rayon");
+        assert_eq!(names_it, ["abf-parallel", "bench-harness"].contains(&package.name.as_str()), "{}", package.name);
     }
 }
 

@@ -97,8 +97,7 @@ fn every_solver_converges_on_ordinary_shapes() {
 fn one_and_two_threads_give_the_same_bits() {
     let mesh = Shape::Mask.mesh(3000);
     let with_threads = |threads: usize, solver: &dyn AngleSolver| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| solve(solver, &mesh))
+        abf_parallel::with_threads(threads, || solve(solver, &mesh)).expect("threads")
     };
     for solver in solvers() {
         let (one, two) = (with_threads(1, solver.as_ref()), with_threads(2, solver.as_ref()));

@@ -222,8 +222,8 @@ fn results_have_the_same_bits_for_one_and_two_threads() {
                 let settings = IterativeSettings { reduction, preconditioner, ..IterativeSettings::default() };
                 for solver in solvers(settings) {
                     let with_threads = |threads: usize| {
-                        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-                        pool.install(|| solver.solve(problem, &stop, &mut Silent)).expect("angles")
+                        let solve = || solver.solve(problem, &stop, &mut Silent);
+                        abf_parallel::with_threads(threads, solve).expect("threads").expect("angles")
                     };
                     assert_eq!(with_threads(1), with_threads(2), "{} {settings:?}", solver.name());
                 }

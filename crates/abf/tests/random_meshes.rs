@@ -10,8 +10,8 @@
 mod exact;
 
 use abf::mesh::{Point3, TriMesh, UvMap, VertexId, io};
+use abf_parallel::prelude::*;
 use exact::{Sign, turns};
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 use std::panic::{AssertUnwindSafe, catch_unwind};

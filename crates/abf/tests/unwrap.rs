@@ -114,10 +114,9 @@ fn a_ball_and_a_torus_come_out_with_little_stretch() {
 
 #[test]
 fn the_same_bits_come_out_whatever_the_number_of_threads() {
-    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    let four = rayon::ThreadPoolBuilder::new().num_threads(4).build().expect("threads");
     let mesh = two_balls();
-    assert_eq!(one.install(|| unwrap(&mesh).uv()), four.install(|| unwrap(&mesh).uv()));
+    let with = |threads| abf_parallel::with_threads(threads, || unwrap(&mesh).uv()).expect("threads");
+    assert_eq!(with(1), with(4));
 }
 
 /// A ball and a torus, apart.

@@ -1,6 +1,6 @@
 //! One value per corner, computed in parallel.
 
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 
 /// How many entries one task computes.
 pub(crate) const PER_TASK: usize = 1 << 12;

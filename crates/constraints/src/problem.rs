@@ -3,7 +3,7 @@
 use crate::ConstraintRows;
 use abf_control::SettingError;
 use abf_mesh::{CornerId, DiskError, Topology, VertexId};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Fewer corners or vertices are not worth a thread.
@@ -125,7 +125,7 @@ impl<'a> AngleProblem<'a> {
         settings: EstimateSettings,
     ) -> Result<Self, ProblemError> {
         settings.check()?;
-        let (is_disk, rows) = rayon::join(|| topology.require_disk(), || ConstraintRows::new(topology));
+        let (is_disk, rows) = abf_parallel::join(|| topology.require_disk(), || ConstraintRows::new(topology));
         is_disk?;
         Self::with_rows(topology, rows, mesh_angles, settings)
     }

@@ -3,7 +3,7 @@
 use crate::per_corner::{PER_TASK, per_corner};
 use crate::{ConstraintRows, WheelDerivative, WheelForm};
 use abf_mesh::{CornerId, Topology};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Angles are kept this far from 0 and π, in radians, when a residual is reported: outside, the

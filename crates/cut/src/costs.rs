@@ -2,7 +2,7 @@
 
 use crate::seams::{edge_length, edges_at, ends, interior_edges};
 use abf_mesh::{CornerId, Topology, TriMesh, Vector3, VertexId};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 
 /// What a seam prefers.
 ///

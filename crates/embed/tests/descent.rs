@@ -174,10 +174,7 @@ fn a_cancelled_or_timed_out_descent_returns_a_valid_drawing() {
 #[test]
 fn the_bits_do_not_depend_on_the_threads() {
     let mesh = Shape::SpikyField.mesh(1500);
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| descend(&mesh, Descent::default()))
-    };
+    let with = |threads| abf_parallel::with_threads(threads, || descend(&mesh, Descent::default())).expect("threads");
     let one = with(1);
     assert_eq!(one, with(1));
     assert_eq!(one, with(3));

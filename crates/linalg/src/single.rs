@@ -10,13 +10,13 @@
 
 use crate::cholesky::allocate;
 use crate::{LinearError, Parts, Permutation, Preconditioner, SymbolicCholesky, SymmetricMatrix};
+use abf_parallel::prelude::*;
 use faer::dyn_stack::MemStack;
 use faer::linalg::solvers::LltError;
 use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
 use faer::{Par, Side};
 use pulp::Arch;
-use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 

@@ -30,7 +30,7 @@ impl Random {
 
 /// Runs a closure in a pool of so many threads.
 pub(crate) fn with_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(run)
+    abf_parallel::with_threads(threads, run).expect("threads")
 }
 
 /// A symmetric matrix with these entries of its lower triangle, in the order given.

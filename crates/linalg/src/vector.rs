@@ -4,7 +4,7 @@
 //! the number of threads nor whether there are any shows in the result.
 
 use crate::Scalar;
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 
 /// How many elements one partial sum covers.
 const CHUNK: usize = 4096;

@@ -11,6 +11,7 @@
 
 mod disk;
 mod ids;
+#[cfg(feature = "io")]
 pub mod io;
 pub mod predicates;
 mod topology;

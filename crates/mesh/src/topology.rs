@@ -1,6 +1,6 @@
 //! The corner table: who is opposite whom, without coordinates.
 
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 
 use crate::{CornerId, FaceId, VertexId};
 

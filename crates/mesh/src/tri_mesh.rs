@@ -1,6 +1,6 @@
 //! Coordinates and faces, as read: no promise about topology.
 
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
 use crate::{FaceId, Point3, VertexId};
@@ -67,6 +67,7 @@ impl TriMesh {
     }
 
     /// A mesh of faces that are known to name vertices.
+    #[cfg(feature = "io")]
     pub(crate) fn of_ids(positions: Vec<Point3<f64>>, faces: Vec<[VertexId; 3]>) -> Self {
         debug_assert!(faces.iter().flatten().all(|v| v.index() < positions.len()));
         Self { positions, faces }

@@ -1,6 +1,6 @@
 //! UVs per corner.
 
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 
 use crate::tri_mesh::sum_by_block;
 use crate::{CornerId, FaceId, Point2, TriMesh, UvId};
@@ -32,6 +32,7 @@ impl UvMap {
     ///
     /// # Panics
     /// If a corner names a point that does not exist.
+    #[cfg(feature = "io")]
     pub(crate) fn of_used_points(mut points: Vec<Point2<f64>>, mut corners: Vec<UvId>) -> Self {
         let mut used = vec![false; points.len()];
         corners.iter().for_each(|c| used[c.index()] = true);

@@ -2,12 +2,11 @@
 
 use abf_control::{Cancelled, Checkpoint, UnknownName};
 use abf_mesh::{CornerId, FaceId, Topology, TriMesh, UvId, UvMap, VertexId};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 #[cfg(feature = "serde")]
 use serde::Serializer;
 use std::borrow::Cow;
 use std::cell::OnceCell;
-use std::fmt;
 
 use crate::MetricsError;
 use crate::face::{Orientation, Survey};
@@ -449,7 +448,7 @@ fn angle_of(cotangent: f64) -> f64 {
 }
 
 #[cfg(feature = "serde")]
-fn as_text<S: Serializer>(value: &impl fmt::Display, serializer: S) -> Result<S::Ok, S::Error> {
+fn as_text<S: Serializer>(value: &impl std::fmt::Display, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_str(value)
 }
 

@@ -1,7 +1,7 @@
 //! The distortion of every triangle by itself.
 
 use abf_mesh::{FaceId, Point2, Point3, TriMesh, UvId, UvMap, VertexId};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 
 use crate::MetricsError;
 use crate::charts::{Charts, DisjointSets};

@@ -6,7 +6,7 @@
 //! none of them. What is not joined is boundary, so any set of faces has a boundary, manifold or not.
 
 use abf_mesh::{CornerId, FaceId, Point2, Topology, TriMesh, UvId, UvMap, VertexId};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use std::borrow::Cow;
 
 /// Marks "no corner", as in [`Topology::packed_opposites`].

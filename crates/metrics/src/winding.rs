@@ -1,7 +1,7 @@
 //! Fans whose triangles wind around their vertex more than once.
 
 use abf_mesh::{CornerId, VertexId};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 
 use crate::direction;
 use crate::sheet::{Fan, PER_TASK, Sheet};

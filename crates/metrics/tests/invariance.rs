@@ -133,10 +133,7 @@ fn the_number_of_threads_changes_no_bit() {
     let mesh = sheet(80, |x, y| (30.0 * x).sin() * (20.0 * y).cos());
     let uv: Vec<Point2<f64>> = mesh.positions().iter().map(|p| Point2::new(p.x + p.y * p.y, p.y)).collect();
     let map = UvMap::per_vertex(&mesh, &uv);
-    let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| measured(&mesh, &map))
-    };
+    let with = |threads| abf_parallel::with_threads(threads, || measured(&mesh, &map)).expect("threads");
     assert_eq!(with(1), with(2));
     assert_eq!(with(1), with(5));
 }

@@ -6,7 +6,7 @@ use crate::grid::{Grid, Masks, Pose, Slot};
 use crate::page::Criterion;
 use crate::settings::Effort;
 use crate::shape::Shape;
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use std::cmp::Reverse;
 
 /// What is packed onto what.

@@ -5,7 +5,7 @@ use crate::geometry::{UNTURNED, extent};
 use crate::grid::Pose;
 use crate::shape::Shape;
 use crate::{PackError, PackSettings, Packing, Piece, Placement};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use std::collections::BTreeMap;
 
 /// Packs pieces: at the scale that is given, on as few pages as are found to do; without one at the largest scale that is

@@ -172,8 +172,8 @@ fn one_and_four_threads_give_the_same_bits() {
     for effort in [Effort::Fast, Effort::Good] {
         let settings = PackSettings { page: [300, 300], effort, ..PackSettings::default() };
         let on = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| pack(&pieces, &settings).expect("they fit"))
+            let packed = || pack(&pieces, &settings).expect("they fit");
+            abf_parallel::with_threads(threads, packed).expect("threads")
         };
         assert_eq!(on(1), on(4));
     }

@@ -5,7 +5,7 @@ use crate::{LinearError, LinearStats, Pins, least_squares, poisson};
 use abf_control::{Cancelled, Checkpoint, UnknownName};
 use abf_linalg::Complex64;
 use abf_mesh::{Point2, Topology, TriMesh, UvMap};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use std::f64::consts::PI;
 
 /// Angles are kept this far from 0 and π, rad, when they are laid out.

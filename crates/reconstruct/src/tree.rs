@@ -8,7 +8,7 @@
 use abf_control::{Cancelled, Checkpoint};
 use abf_linalg::Complex64;
 use abf_mesh::{CornerId, FaceId, Topology};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 

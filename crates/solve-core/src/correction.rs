@@ -22,7 +22,7 @@ use abf_constraints::{ConstraintRows, WheelDerivative};
 use abf_control::{Checkpoint, Watch};
 use abf_linalg::{Parts, Permutation, SingleCholesky, SymbolicCholesky, vector};
 use abf_mesh::Topology;
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use std::sync::Arc;
 
 /// Fewer corners are not worth a thread.
@@ -100,7 +100,7 @@ impl LeastCorrection {
         let graph = spokes.graph(rows);
         checkpoint()?;
         // An ordering is one long thread: what else there is to do goes beside it.
-        let (order, [a, b, c, d]) = rayon::join(
+        let (order, [a, b, c, d]) = abf_parallel::join(
             || graph.amd(),
             || {
                 let mut blocks = [(); 4].map(|()| Block::zeros(rows));
@@ -190,7 +190,7 @@ impl LeastCorrection {
         let Self { spokes, symbolic, order, parts, .. } = &*self;
         let factor =
             |block: &Block| symbolic.factorise_single(&spokes.symmetric(rows, block, symbolic.pattern(), order), parts);
-        let (vertex, wheel) = rayon::join(
+        let (vertex, wheel) = abf_parallel::join(
             || self.vertex_factor.is_none().then(|| factor(&self.a)).transpose(),
             || self.wheel_factor.is_none().then(|| factor(&self.d)).transpose(),
         );
@@ -359,7 +359,7 @@ impl<'a> Solve<'a> {
         while !converged && self.iterations < REFACTOR_AFTER {
             let (vertices, wheels) = (&mut self.vertices, &mut self.wheels);
             // One way into the pool for all products and solves of an iteration.
-            let now = rayon::scope(|_| {
+            let now = abf_parallel::scope(|_| {
                 system.spokes.multiply(rows, &system.b, &p, &mut t);
                 a_inverse.apply_in_order(&system.order, &t, &mut q[..ni]);
                 system.spokes.multiply_difference(rows, (&system.d, &p), (&system.c, &q), &mut ap);
@@ -504,12 +504,12 @@ mod tests {
         let kkt = planted.kkt();
         let kkt = KktSystem { lambda: kkt.gauss_newton, ..kkt };
         let run = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-            pool.install(|| {
+            abf_parallel::with_threads(threads, || {
                 let mut solver =
                     LeastCorrection::new(kkt.topology, kkt.rows, kkt.lambda.to_vec(), &mut || Ok(())).expect("fits");
                 solve(&mut solver, &kkt, kkt.wheel, 1e-9).0
             })
+            .expect("threads")
         };
         assert_eq!(run(1), run(2));
     }

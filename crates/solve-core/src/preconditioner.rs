@@ -184,7 +184,7 @@ impl Preconditioner for Blocks {
         let (vertex, wheel) = if r.len() < PARALLEL_LEN {
             (solve(&self.vertex, 0), solve(&self.wheel, 1))
         } else {
-            rayon::join(|| solve(&self.vertex, 0), || solve(&self.wheel, 1))
+            abf_parallel::join(|| solve(&self.vertex, 0), || solve(&self.wheel, 1))
         };
         for ((pair, v), w) in out.chunks_exact_mut(2).zip(vertex).zip(wheel) {
             pair.copy_from_slice(&[v, w]);

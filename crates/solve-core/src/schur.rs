@@ -8,7 +8,7 @@ use crate::{KktSystem, ReducedSystem};
 use abf_constraints::{ConstraintRows, Jacobian};
 use abf_linalg::LinOp;
 use abf_mesh::{CornerId, Topology};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use sprs::{CsMatI, CsMatViewI};
 use std::cell::RefCell;
 
@@ -274,13 +274,13 @@ mod tests {
         let mut products = ConstraintProducts::whole(kkt.topology, kkt.rows);
         products.update(&kkt);
         let m = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-            pool.install(|| {
+            abf_parallel::with_threads(threads, || {
                 let m = SchurComplement::new(&products, &kkt);
                 let mut out = vec![0.0; m.size()];
                 m.apply(&wave(m.size()), &mut out);
                 out
             })
+            .expect("threads")
         };
         let one = m(1);
         assert!(one.len() > PARALLEL_ROWS);

@@ -9,7 +9,7 @@
 use abf_constraints::{ConstraintRows, WheelDerivative};
 use abf_linalg::{Graph, Permutation, SymmetricMatrix, SymmetricPattern};
 use abf_mesh::{CornerId, FaceId, Topology};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use std::sync::Arc;
 
 /// How many rows one task computes.

@@ -20,11 +20,11 @@
 
 use abf_constraints::{AngleProblem, RESIDUAL_CLAMP, WheelDerivative, largest, linearise, max_residual};
 use abf_control::{IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
+use abf_parallel::prelude::*;
 use abf_solve_core::{
     AngleSolution, AngleSolver, DirectStep, KktStep, KktSystem, KktVector, LeastCorrection, Linearisation, SolveError,
     StepError, StepReport,
 };
-use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::fmt;
 use std::num::NonZeroUsize;

@@ -8,7 +8,7 @@ use abf_control::{SettingError, UnknownName};
 use abf_mesh::{Point2, TriMesh, UvMap};
 use abf_metrics::{Metrics, MetricsError, Precision};
 use abf_pack::{Effort, PackError, PackSettings, Packing, Piece};
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 use std::collections::HashMap;
 
 /// How charts are laid out in the unit square.

@@ -55,8 +55,10 @@ impl Pipeline {
         // No faces is the more useful complaint, so topology comes before geometry.
         let in_range = mesh.in_range();
         let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
-        let (topology, angles) =
-            rayon::join(|| Topology::build(mesh.vertex_count(), mesh.faces()), || self.corner_angles(mesh, working));
+        let (topology, angles) = abf_parallel::join(
+            || Topology::build(mesh.vertex_count(), mesh.faces()),
+            || self.corner_angles(mesh, working),
+        );
         ask(observer, Event::Working)?;
         let topology = topology?;
         let angles = angles?;

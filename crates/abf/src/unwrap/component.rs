@@ -10,8 +10,8 @@ use abf_cut::{Chart, CostSettings, EdgeCosts, Seams, hard_surface, split, two_pa
 use abf_embed::EmbedError;
 use abf_mesh::{CornerId, FaceId, Topology, TriMesh};
 use abf_metrics::MetricsError;
+use abf_parallel::prelude::*;
 use abf_solve_core::SolveError;
-use rayon::prelude::*;
 
 /// A component, or what kept seams have made of one.
 pub(super) struct Component<'c, 'o> {

@@ -20,11 +20,11 @@ use abf_cut::{
 };
 use abf_mesh::{CornerId, FaceId, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::Metrics;
+use abf_parallel::prelude::*;
 use component::Component;
 pub use error::UnwrapError;
 use finish::Finished;
 pub use hints::SurfaceHints;
-use rayon::prelude::*;
 use relay::Relay;
 use std::collections::HashMap;
 use std::fmt;

@@ -2,7 +2,7 @@
 
 use std::io::{self, BufWriter, Write};
 
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 
 use super::WriteError;
 use crate::{TriMesh, UvMap};
@@ -47,7 +47,7 @@ impl<F: Fn(&mut Vec<u8>, usize) + Sync> Append for F {}
 pub(super) fn in_blocks(out: &mut dyn Write, count: usize, append: impl Append) -> io::Result<()> {
     /// Elements of one block: some hundred kilobytes.
     const BLOCK: usize = 1 << 13;
-    let mut blocks = vec![Vec::new(); rayon::current_num_threads().clamp(1, count.div_ceil(BLOCK).max(1))];
+    let mut blocks = vec![Vec::new(); abf_parallel::current_num_threads().clamp(1, count.div_ceil(BLOCK).max(1))];
     for wave in (0..count).step_by(BLOCK * blocks.len()) {
         let fill = |(i, slot): (usize, &mut Vec<u8>)| {
             // On the stack, because lengths that stand side by side in memory slow down the threads that count them up.
@@ -74,11 +74,11 @@ mod tests {
     fn blocks_are_written_in_their_order_whatever_the_number_of_threads() {
         let count = 100_000;
         let texts = [1, 2, 3].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
             let mut out = Vec::new();
-            pool.install(|| {
+            abf_parallel::with_threads(threads, || {
                 in_blocks(&mut out, count, |block, i| block.extend_from_slice((i + 1).to_string().as_bytes()))
             })
+            .expect("threads")
             .expect("written");
             out
         });

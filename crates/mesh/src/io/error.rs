@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 
 /// The formats that can be written, for a message.
-const WRITTEN: &str = "glb, gltf, obj, ply";
+const WRITTEN: &str = if cfg!(feature = "gltf") { "glb, gltf, obj, ply" } else { "obj, ply" };
 
 /// A place in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -226,7 +226,8 @@ pub enum ReadError {
         /// How many bytes follow the header.
         present: usize,
     },
-    /// A text that is no JSON.
+    /// A text that is no JSON; with the feature `gltf`.
+    #[cfg(feature = "gltf")]
     #[error("{file}: not JSON: {cause}")]
     Json {
         /// The file.

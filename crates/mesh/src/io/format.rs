@@ -7,9 +7,11 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum MeshFormat {
-    /// glTF 2.0, binary.
+    /// glTF 2.0, binary; with the feature `gltf`.
+    #[cfg(feature = "gltf")]
     Glb,
-    /// glTF 2.0, JSON with buffers beside it or within.
+    /// glTF 2.0, JSON with buffers beside it or within; with the feature `gltf`.
+    #[cfg(feature = "gltf")]
     Gltf,
     /// Wavefront OBJ, text.
     Obj,
@@ -31,13 +33,19 @@ pub struct UnknownFormat(
 
 impl MeshFormat {
     /// Every format, in alphabetical order.
+    #[cfg(feature = "gltf")]
     pub const ALL: [Self; 6] = [Self::Glb, Self::Gltf, Self::Obj, Self::Off, Self::Ply, Self::Stl];
+    /// Every format, in alphabetical order.
+    #[cfg(not(feature = "gltf"))]
+    pub const ALL: [Self; 4] = [Self::Obj, Self::Off, Self::Ply, Self::Stl];
 
     /// The extension of its files, which is also the name that [`FromStr`] takes.
     #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
+            #[cfg(feature = "gltf")]
             Self::Glb => "glb",
+            #[cfg(feature = "gltf")]
             Self::Gltf => "gltf",
             Self::Obj => "obj",
             Self::Off => "off",
@@ -55,7 +63,11 @@ impl MeshFormat {
     /// Whether it is one of the two of glTF.
     #[must_use]
     pub const fn is_gltf(self) -> bool {
-        matches!(self, Self::Glb | Self::Gltf)
+        match self {
+            #[cfg(feature = "gltf")]
+            Self::Glb | Self::Gltf => true,
+            Self::Obj | Self::Off | Self::Ply | Self::Stl => false,
+        }
     }
 
     /// All extensions, for messages.

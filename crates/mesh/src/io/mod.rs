@@ -24,6 +24,7 @@ mod error;
 mod file;
 mod format;
 mod gather;
+#[cfg(feature = "gltf")]
 mod gltf;
 mod materials;
 mod mesh_file;
@@ -42,6 +43,7 @@ pub use compressed::read_bytes;
 pub use error::{Location, Place, ReadError, WriteError};
 pub use file::{check_replaceable, replace};
 pub use format::{MeshFormat, UnknownFormat};
+#[cfg(feature = "gltf")]
 pub use gltf::{
     BufferSource, GltfDocument, GltfPrimitive, GltfRemap, GltfSurface, GltfTexcoords, PrimitiveRemap, stored_uv,
 };
@@ -70,6 +72,7 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
         }
         return Err(ReadError::UnknownExtension { file, known: MeshFormat::known() });
     };
+    #[cfg(feature = "gltf")]
     if format.is_gltf() {
         return gltf::read(path);
     }
@@ -87,6 +90,7 @@ pub fn read(path: &Path) -> Result<MeshFile, ReadError> {
 pub fn parse(format: MeshFormat, name: &str, bytes: &[u8]) -> Result<MeshFile, ReadError> {
     check_readable(format, name, bytes)?;
     match format {
+        #[cfg(feature = "gltf")]
         MeshFormat::Glb | MeshFormat::Gltf => gltf::parse(name, bytes),
         MeshFormat::Obj => obj::parse(name, bytes),
         MeshFormat::Off => off::parse(name, bytes),
@@ -124,6 +128,7 @@ pub fn write(path: &Path, mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), Writ
     let format: Format = match MeshFormat::from_path(path) {
         Some(MeshFormat::Obj) => obj::write,
         Some(MeshFormat::Ply) => ply::write,
+        #[cfg(feature = "gltf")]
         Some(MeshFormat::Glb | MeshFormat::Gltf) => {
             check(mesh, uv)?;
             return gltf::write_plain(path, mesh, uv);

@@ -8,7 +8,7 @@
 
 mod polygons;
 
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 
 use super::super::polygon::Inside;
 use super::super::text::{Words, without_mark};
@@ -32,7 +32,7 @@ const RELATIVE: u32 = 3 << 30;
 
 /// Reads a file if it is plain.
 pub(super) fn parse(bytes: &[u8]) -> Option<(MeshFile, Inside)> {
-    let threads = rayon::current_num_threads();
+    let threads = abf_parallel::current_num_threads();
     let most = if threads > 1 { PIECES_PER_THREAD * threads } else { 1 };
     parse_in(bytes, (bytes.len() / PIECE).clamp(1, most))
 }

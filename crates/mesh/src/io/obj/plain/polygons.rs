@@ -1,6 +1,6 @@
 //! Faces of more than three corners, which the fast reader takes for fans until it has all positions.
 
-use rayon::prelude::*;
+use abf_parallel::prelude::*;
 
 use super::super::super::ReadNotes;
 use super::super::super::polygon::{self, Inside};
