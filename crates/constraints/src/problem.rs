@@ -45,7 +45,11 @@ impl EstimateSettings {
         angles.par_iter_mut().with_min_len(PER_TASK).filter(is_outside).map(move_in).count()
     }
 
-    fn check(&self) -> Result<(), ProblemError> {
+    /// Checks that every setting is in its range; posing a problem does so first.
+    ///
+    /// # Errors
+    /// [`ProblemError::Setting`] naming the setting and its range.
+    pub fn check(&self) -> Result<(), ProblemError> {
         if self.ring_switch.is_some_and(|t| t.is_nan() || t < 0.0) {
             let value = self.ring_switch.unwrap_or_default();
             return Err(SettingError::new("ring_switch", "at least 0", value).into());

@@ -107,6 +107,10 @@ impl AngleSolver for AbfNewton {
         self.method.name()
     }
 
+    fn check(&self) -> Result<(), SolveError> {
+        self.newton.check()
+    }
+
     fn solve(
         &self,
         problem: &AngleProblem<'_>,

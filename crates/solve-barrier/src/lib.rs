@@ -116,12 +116,15 @@ impl Barrier {
         let (angles, termination, history) = run.solve(stop, &mut watch)?;
         Ok(AngleSolution::measure(problem, angles, termination, history))
     }
+}
 
-    /// Checks that every setting is in its range; solving does it first.
-    ///
-    /// # Errors
-    /// [`SolveError::Setting`] naming the setting and its range.
-    pub fn check(&self) -> Result<(), SolveError> {
+/// Solves from the estimate of the problem: [`Barrier::solve_from`].
+impl AngleSolver for Barrier {
+    fn name(&self) -> &'static str {
+        "barrier"
+    }
+
+    fn check(&self) -> Result<(), SolveError> {
         let fault = |name, allowed, value| Err(SettingError::new(name, allowed, value).into());
         for (name, value) in [
             ("barrier_start", self.barrier_start),
@@ -144,13 +147,6 @@ impl Barrier {
             }
         }
         Ok(())
-    }
-}
-
-/// Solves from the estimate of the problem: [`Barrier::solve_from`].
-impl AngleSolver for Barrier {
-    fn name(&self) -> &'static str {
-        "barrier"
     }
 
     fn solve(

@@ -144,7 +144,11 @@ impl NewtonSettings {
         Ok(AngleSolution::measure(problem, angles, termination, run.history))
     }
 
-    fn check(&self) -> Result<(), SolveError> {
+    /// Checks that every setting is in its range; a solve does so first.
+    ///
+    /// # Errors
+    /// [`SolveError::Setting`] naming the setting and its range.
+    pub fn check(&self) -> Result<(), SolveError> {
         let positive = |name, value: f64| match value > 0.0 && value < 1.0 {
             true => Ok(()),
             false => Err(SettingError::new(name, "in (0, 1)", value).into()),

@@ -44,6 +44,14 @@ pub trait AngleSolver: Send + Sync {
     /// The name on the command line and in reports.
     fn name(&self) -> &'static str;
 
+    /// Checks the settings of the solver before any work is done, with the error that [`AngleSolver::solve`] would give.
+    ///
+    /// # Errors
+    /// [`SolveError`] when a setting is out of range, or settings do not go together.
+    fn check(&self) -> Result<(), SolveError> {
+        Ok(())
+    }
+
     /// Solves one problem.
     ///
     /// # Errors

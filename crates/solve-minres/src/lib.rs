@@ -41,6 +41,11 @@ impl AngleSolver for Minres {
         "minres"
     }
 
+    fn check(&self) -> Result<(), SolveError> {
+        self.iterative.check(&self.newton)?;
+        self.newton.check()
+    }
+
     fn solve(
         &self,
         problem: &AngleProblem<'_>,

@@ -43,6 +43,11 @@ impl AngleSolver for Uzawa {
         "uzawa"
     }
 
+    fn check(&self) -> Result<(), SolveError> {
+        self.iterative.check(&self.newton)?;
+        self.newton.check()
+    }
+
     fn solve(
         &self,
         problem: &AngleProblem<'_>,

@@ -1,5 +1,6 @@
 //! From a mesh to its UVs.
 
+mod check;
 mod ladder;
 mod task;
 mod thin;
@@ -9,7 +10,6 @@ use crate::{FlattenError, Flattening};
 use abf_constraints::{AngleProblem, EstimateSettings};
 use abf_control::{Event, Observer, Silent, Stage, TimeBudget, ask};
 use abf_mesh::{GeometryError, Topology, TriMesh};
-use abf_reconstruct::LayoutKind;
 use abf_solve_linabf::LinAbf;
 use ladder::climb;
 use task::{Given, Single, Task, begin};
@@ -47,9 +47,8 @@ impl Pipeline {
     }
 
     fn run_on(&self, mesh: &TriMesh, shape: Shape, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
-        self.check_layout()?;
+        self.check()?;
         self.check_memory(mesh)?;
-        self.solver.check()?;
         let budget = TimeBudget::start(&self.stop);
         begin(observer, Stage::Topology)?;
         // No faces is the more useful complaint, so topology comes before geometry.
@@ -117,17 +116,6 @@ impl Pipeline {
         match &self.solver {
             Solver::Auto(_) => check_memory(&lean(), SolverKind::Auto, self.max_memory, mesh),
             solver => check_memory(solver, solver.kind(), self.max_memory, mesh),
-        }
-    }
-
-    fn check_layout(&self) -> Result<(), FlattenError> {
-        let kind = self.layout.kind;
-        match self.solver.method() {
-            Method::Positions(_) if kind != LayoutKind::Auto => Err(FlattenError::DescentLayout(kind)),
-            Method::SurfaceAngles if matches!(kind, LayoutKind::Tree | LayoutKind::Poisson) => {
-                Err(FlattenError::LscmLayout(kind))
-            }
-            Method::Ladder(_) | Method::Angles(_) | Method::Positions(_) | Method::SurfaceAngles => Ok(()),
         }
     }
 }

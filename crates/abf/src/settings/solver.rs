@@ -1,6 +1,5 @@
 //! A solver with its settings: one value.
 
-use crate::FlattenError;
 use crate::settings::growth::Growth;
 use crate::settings::{Ladder, SolverKind};
 use abf_constraints::WheelForm;
@@ -226,26 +225,6 @@ impl Solver {
         parts
     }
 
-    /// Checks the settings that are this solver's own, before any work is done.
-    pub(crate) fn check(&self) -> Result<(), FlattenError> {
-        let of_barrier = |barrier: &Barrier| {
-            let named = |source| FlattenError::of_solver(SolverKind::Barrier, source);
-            barrier.check().map_err(named)
-        };
-        match self {
-            Self::Auto(ladder) => {
-                ladder.descent.check()?;
-                of_barrier(&ladder.barrier)
-            }
-            Self::Barrier(barrier) => of_barrier(barrier),
-            Self::Descent(descent) => Ok(descent.check()?),
-            // Their settings are checked by the solve, which has done nothing before.
-            Self::LinAbf(_) | Self::Newton(_) | Self::Uzawa(_) | Self::Minres(_) | Self::Lscm | Self::Custom(_) => {
-                Ok(())
-            }
-        }
-    }
-
     /// How the memory of its runs grows with the mesh.
     pub(super) fn growth(&self) -> Growth {
         match self {
@@ -286,6 +265,14 @@ pub struct SolverParts<'s> {
     pub barrier: Option<&'s mut Barrier>,
     /// The descent.
     pub descent: Option<&'s mut Descent>,
+}
+
+impl SolverKind {
+    /// This solver with its default settings; `None` for one of a user's own.
+    #[must_use]
+    pub fn with_defaults(self) -> Option<Solver> {
+        Solver::all().into_iter().find(|solver| solver.kind() == self)
+    }
 }
 
 impl Default for Solver {

@@ -1,6 +1,5 @@
 //! The solvers by name.
 
-use crate::settings::Solver;
 use abf_control::UnknownName;
 use std::fmt;
 use std::str::FromStr;
@@ -70,12 +69,6 @@ impl SolverKind {
             Self::Lscm => "lscm",
             Self::Custom(name) => name,
         }
-    }
-
-    /// This solver with its default settings; `None` for one of a user's own.
-    #[must_use]
-    pub fn with_defaults(self) -> Option<Solver> {
-        Solver::all().into_iter().find(|solver| solver.kind() == self)
     }
 
     /// Whether it solves for angles at all.

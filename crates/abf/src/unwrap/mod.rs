@@ -308,7 +308,11 @@ impl Unwrap {
         seams
     }
 
-    fn check(&self) -> Result<(), UnwrapError> {
+    /// Checks every setting, those of the [`Pipeline`] included. [`Unwrap::run`] does so first, with the same error.
+    ///
+    /// # Errors
+    /// [`UnwrapError::Setting`] or [`UnwrapError::Flatten`], naming the setting and what it may be.
+    pub fn check(&self) -> Result<(), UnwrapError> {
         let wrong = |name, allowed, value: f64| Err(SettingError::new(name, allowed, value).into());
         if !(self.max_stretch >= 1.0) {
             return wrong("max_stretch", "at least 1", self.max_stretch);
@@ -332,7 +336,12 @@ impl Unwrap {
                 return wrong(name, "in [0, 1)", value);
             }
         }
-        Ok(())
+        if let Weld::Within(distance) = self.weld
+            && !(distance >= 0.0 && distance.is_finite())
+        {
+            return wrong("weld", "a distance of at least 0", distance);
+        }
+        Ok(self.pipeline.check()?)
     }
 }
 
