@@ -5,6 +5,7 @@ use crate::dual::BoundMultipliers;
 use crate::place::Place;
 use crate::system::StepSystem;
 use abf_constraints::AngleProblem;
+use abf_control::Checkpoint;
 use abf_solve_core::{Hessian, KktVector, LinearError, LinearStats};
 
 /// What every eigenvalue of a triangle's form keeps of that of `2w + z_lo/x + z_hi/(π − x)`.
@@ -33,13 +34,14 @@ impl Direction {
         system: &mut StepSystem,
         hessian: Hessian,
         (place, multipliers, bounds, barrier): (&Place, &[f64], &BoundMultipliers, f64),
+        checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
         let (lambda, negative) = diagonal(problem, hessian, place, multipliers, bounds);
         let of_objective = place.gradient(problem, barrier);
         let mut gradient = of_objective.clone();
         place.add_transposed_product(problem, multipliers, &mut gradient);
         let mut step = KktVector::default();
-        let linear = system.solve(problem, place, &lambda, &gradient, &mut step)?;
+        let linear = system.solve(problem, place, &lambda, &gradient, &mut step, checkpoint)?;
         let slope = of_objective.iter().zip(&step.delta).map(|(g, d)| g * d).sum();
         Ok(Self { step, lambda, gradient, slope, negative, linear })
     }

@@ -112,7 +112,7 @@ impl Barrier {
             return Err(SolveError::Unsupported("a start needs one finite angle for every corner"));
         }
         let mut watch = Watch::start(stop, observer);
-        let run = Run::new(*self, problem, start.to_vec())?;
+        let run = Run::new(*self, problem, start.to_vec(), &mut || watch.checkpoint())?;
         let (angles, termination, history) = run.solve(stop, &mut watch)?;
         Ok(AngleSolution::measure(problem, angles, termination, history))
     }

@@ -4,7 +4,7 @@ use crate::path::{advance, longest, nearer_end};
 use crate::place::Place;
 use crate::system::StepSystem;
 use abf_constraints::{AngleProblem, largest};
-use abf_control::IterationRecord;
+use abf_control::{Checkpoint, IterationRecord};
 use abf_solve_core::{KktVector, LinearError};
 
 /// No share below this is tried.
@@ -21,10 +21,11 @@ pub(crate) fn restored(
     system: &mut StepSystem,
     place: &Place,
     fraction: f64,
+    checkpoint: &mut Checkpoint<'_>,
 ) -> Result<Option<(Place, IterationRecord)>, LinearError> {
     let lambda: Vec<f64> = place.angles.iter().map(|&x| nearer_end(x).powi(-2)).collect();
     let mut out = KktVector::default();
-    let linear = system.solve(problem, place, &lambda, &vec![0.0; lambda.len()], &mut out)?;
+    let linear = system.solve(problem, place, &lambda, &vec![0.0; lambda.len()], &mut out, checkpoint)?;
     let mut share = longest(&place.angles, &out.delta, fraction);
     while share > SHORTEST {
         let trial = Place::new(problem, advance(&place.angles, &out.delta, share));

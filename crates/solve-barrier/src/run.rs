@@ -10,7 +10,7 @@ use crate::restore::restored;
 use crate::search::{Search, entry};
 use crate::system::StepSystem;
 use abf_constraints::{AngleProblem, RESIDUAL_CLAMP, largest, max_residual};
-use abf_control::{Cancelled, Fallback, IterationRecord, StopCriteria, Termination, Watch};
+use abf_control::{Cancelled, Checkpoint, Fallback, IterationRecord, StopCriteria, Termination, Watch};
 use abf_solve_core::{LinearError, SolveError};
 use std::f64::consts::PI;
 
@@ -78,9 +78,10 @@ impl<'p, 'a> Run<'p, 'a> {
         settings: Barrier,
         problem: &'p AngleProblem<'a>,
         mut angles: Vec<f64>,
+        checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
         let moved = problem.moved_angles() + pushed_inside(&mut angles);
-        let system = StepSystem::new(problem)?;
+        let system = StepSystem::new(problem, checkpoint)?;
         let place = Place::new(problem, angles);
         let barrier = settings.barrier_start;
         Ok(Self {
@@ -135,7 +136,8 @@ impl<'p, 'a> Run<'p, 'a> {
             self.lower_barrier();
         }
         let at = (&self.place, self.multipliers.as_slice(), &self.bounds, self.barrier);
-        let direction = Direction::new(self.problem, &mut self.system, self.settings.hessian, at)?;
+        let direction =
+            Direction::new(self.problem, &mut self.system, self.settings.hessian, at, &mut || watch.checkpoint())?;
         let search = Search {
             problem: self.problem,
             system: &mut self.system,
@@ -231,8 +233,9 @@ impl<'p, 'a> Run<'p, 'a> {
     fn restore(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Result<bool, LinearError> {
         let start = self.place.violation;
         for _ in 0..RESTORATIONS {
-            let Some((place, record)) = restored(self.problem, &mut self.system, &self.place, self.settings.fraction)?
-            else {
+            let (system, fraction) = (&mut self.system, self.settings.fraction);
+            let restored = restored(self.problem, system, &self.place, fraction, &mut || watch.checkpoint())?;
+            let Some((place, record)) = restored else {
                 return Ok(false);
             };
             self.place = place;
@@ -327,7 +330,7 @@ mod tests {
         let mut silent = Silent;
         let mut watch = Watch::start(&stop, &mut silent);
         let settings = Barrier { barrier_floor: 1e-8, smallest_angle: 0.0, ..Barrier::default() };
-        let mut run = Run::new(settings, &problem, vec![1e-12; 3 * mesh.face_count()]).expect("fits");
+        let mut run = Run::new(settings, &problem, vec![1e-12; 3 * mesh.face_count()], &mut || Ok(())).expect("fits");
         for _ in 0..steps {
             assert_eq!(run.iterate(&stop, &mut watch), Ok(true));
             look(&mut run);

@@ -2,6 +2,7 @@
 
 use crate::place::Place;
 use abf_constraints::AngleProblem;
+use abf_control::Checkpoint;
 use abf_linalg::{Cholesky, LinearError, LinearStats, Refinement, SymbolicCholesky, SymmetricMatrix};
 use abf_solve_core::{KktSystem, KktVector, ReducedSystem};
 use std::sync::Arc;
@@ -18,9 +19,11 @@ pub(crate) struct StepSystem {
 }
 
 impl StepSystem {
-    pub(crate) fn new(problem: &AngleProblem<'_>) -> Result<Self, LinearError> {
-        let reduced = ReducedSystem::new(problem.topology(), problem.rows())?;
+    pub(crate) fn new(problem: &AngleProblem<'_>, checkpoint: &mut Checkpoint<'_>) -> Result<Self, LinearError> {
+        let reduced = ReducedSystem::asking(problem.topology(), problem.rows(), checkpoint)?;
+        checkpoint()?;
         let symbolic = SymbolicCholesky::analyse(Arc::clone(reduced.pattern()))?;
+        checkpoint()?;
         let matrix = SymmetricMatrix::zeros(Arc::clone(reduced.pattern()));
         let rhs = vec![0.0; matrix.size()];
         Ok(Self { reduced, symbolic, matrix, rhs, factors: None })
@@ -34,9 +37,10 @@ impl StepSystem {
         lambda: &[f64],
         gradient: &[f64],
         out: &mut KktVector,
+        checkpoint: &mut Checkpoint<'_>,
     ) -> Result<LinearStats, LinearError> {
         self.factors = None;
-        self.solve_again(problem, place, lambda, gradient, &place.residual, out)
+        self.solve_asking(problem, place, lambda, gradient, &place.residual, out, checkpoint)
     }
 
     /// Solves with the factors at hand for other `g` and `h`; place and `Λ` must be those of the last
@@ -50,6 +54,20 @@ impl StepSystem {
         residual: &[f64],
         out: &mut KktVector,
     ) -> Result<LinearStats, LinearError> {
+        self.solve_asking(problem, place, lambda, gradient, residual, out, &mut || Ok(()))
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "a step is made of these")]
+    fn solve_asking(
+        &mut self,
+        problem: &AngleProblem<'_>,
+        place: &Place,
+        lambda: &[f64],
+        gradient: &[f64],
+        residual: &[f64],
+        out: &mut KktVector,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<LinearStats, LinearError> {
         let kkt = KktSystem {
             topology: problem.topology(),
             rows: problem.rows(),
@@ -61,12 +79,15 @@ impl StepSystem {
             residual,
         };
         self.reduced.assemble(&kkt, &mut self.matrix, &mut self.rhs);
+        checkpoint()?;
         let factors = match self.factors.take() {
             Some(factors) => factors,
             None => self.symbolic.factorise(&self.matrix)?,
         };
+        checkpoint()?;
         let stats = factors.solve(&self.matrix, &mut self.rhs, Refinement::default())?;
         self.factors = Some(factors);
+        checkpoint()?;
         self.reduced.back_substitute(&kkt, &self.rhs, out);
         Ok(stats)
     }

@@ -37,7 +37,7 @@ impl DirectStep {
         rows: &ConstraintRows,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
-        let system = ReducedSystem::new(topology, rows)?;
+        let system = ReducedSystem::asking(topology, rows, checkpoint)?;
         checkpoint()?;
         let symbolic = SymbolicCholesky::analyse(Arc::clone(system.pattern()))?;
         checkpoint()?;

@@ -23,6 +23,7 @@
 use crate::schur::schur_diagonal;
 use crate::{ConstraintProducts, KktSystem, LinearError, PreconditionerKind, ReducedSystem};
 use abf_constraints::{ConstraintRows, TriangleReduction};
+use abf_control::Checkpoint;
 use abf_linalg::{Cholesky, Identity, Jacobi, Preconditioner, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::Topology;
 use std::sync::Arc;
@@ -62,12 +63,26 @@ impl Preconditioning {
         rows: &ConstraintRows,
         reduced: Option<&Arc<ReducedSystem>>,
     ) -> Result<Self, LinearError> {
+        Self::asking(kind, topology, rows, reduced, &mut || Ok(()))
+    }
+
+    /// [`Preconditioning::new`] that asks between its parts whether to go on.
+    ///
+    /// # Errors
+    /// As `new`, and [`LinearError::Cancelled`].
+    pub fn asking(
+        kind: PreconditionerKind,
+        topology: &Topology,
+        rows: &ConstraintRows,
+        reduced: Option<&Arc<ReducedSystem>>,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
         let recipe = match (kind, reduced) {
             (PreconditionerKind::None, _) => Recipe::Identity(Identity),
             (PreconditionerKind::Jacobi, None) => Recipe::DiagonalOfM(None),
             (PreconditionerKind::Jacobi, Some(system)) => Recipe::DiagonalOfS(Arc::clone(system), None),
             (PreconditionerKind::Block, _) => {
-                Recipe::Block(Box::new(BlockPreconditioner::new(topology, rows, reduced)?))
+                Recipe::Block(Box::new(BlockPreconditioner::new(topology, rows, reduced, checkpoint)?))
             }
         };
         Ok(Self { recipe, is_outdated: true, factorisations: 0 })
@@ -77,8 +92,12 @@ impl Preconditioning {
     /// [`Preconditioning::used`] finds them outdated.
     ///
     /// # Errors
-    /// [`LinearError`] when a block cannot be factorised.
-    pub fn prepare(&mut self, kkt: &KktSystem<'_>) -> Result<&dyn Preconditioner, LinearError> {
+    /// [`LinearError`] when a block cannot be factorised, or the checkpoint ends it.
+    pub fn prepare(
+        &mut self,
+        kkt: &KktSystem<'_>,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<&dyn Preconditioner, LinearError> {
         let with_2w = KktSystem { lambda: kkt.gauss_newton, off_diagonal: None, ..*kkt };
         Ok(match &mut self.recipe {
             Recipe::Identity(identity) => identity,
@@ -86,11 +105,12 @@ impl Preconditioning {
             Recipe::DiagonalOfS(system, built) => built.insert(Jacobi::new(&diagonal(&assemble(system, &with_2w)))?),
             Recipe::Block(block) => {
                 if self.is_outdated {
-                    block.factorise(&with_2w)?;
+                    block.factorise(&with_2w, checkpoint)?;
                     self.is_outdated = false;
                     self.factorisations += 1;
                 }
                 if let Some(elimination) = &mut block.elimination {
+                    checkpoint()?;
                     elimination.update(kkt);
                 }
                 &**block
@@ -136,23 +156,34 @@ impl BlockPreconditioner {
         topology: &Topology,
         rows: &ConstraintRows,
         reduced: Option<&Arc<ReducedSystem>>,
+        checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
         let (system, elimination) = match reduced {
             Some(system) => (Arc::clone(system), None),
             None => {
-                let system = Arc::new(ReducedSystem::new(topology, rows)?);
+                let system = Arc::new(ReducedSystem::asking(topology, rows, checkpoint)?);
+                checkpoint()?;
                 let products = ConstraintProducts::reduced(topology, rows, &system);
                 (system, Some(Elimination { products, triangles: Vec::new() }))
             }
         };
-        let symbolic = SymbolicCholesky::analyse(Arc::new(system.vertex_pattern()))?;
+        checkpoint()?;
+        let pattern = Arc::new(system.vertex_pattern());
+        checkpoint()?;
+        let symbolic = SymbolicCholesky::analyse(pattern)?;
+        checkpoint()?;
         Ok(Self { system, symbolic, blocks: None, elimination })
     }
 
-    fn factorise(&mut self, kkt: &KktSystem<'_>) -> Result<(), LinearError> {
+    fn factorise(&mut self, kkt: &KktSystem<'_>, checkpoint: &mut Checkpoint<'_>) -> Result<(), LinearError> {
         let s = assemble(&self.system, kkt);
-        let block = |part| self.symbolic.factorise(&s.every_second(self.symbolic.pattern(), part));
+        let mut block = |part| {
+            let block = s.every_second(self.symbolic.pattern(), part);
+            checkpoint()?;
+            self.symbolic.factorise(&block)
+        };
         self.blocks = Some(Blocks { vertex: block(0)?, wheel: block(1)? });
+        checkpoint()?;
         Ok(())
     }
 }
@@ -252,7 +283,7 @@ mod tests {
         for (reduced, size) in [(None, kkt.rows.len()), (Some(&system), 2 * kkt.rows.interior_count())] {
             for kind in KINDS {
                 let mut preconditioning = Preconditioning::new(kind, kkt.topology, kkt.rows, reduced).expect("fits");
-                let c = preconditioning.prepare(&kkt).expect("positive definite");
+                let c = preconditioning.prepare(&kkt, &mut || Ok(())).expect("positive definite");
                 let inner = |u: &[f64], v: &[f64]| {
                     let mut out = vec![f64::NAN; size];
                     c.apply(v, &mut out);
@@ -274,7 +305,7 @@ mod tests {
         let s = assemble(&system, &with_2w(&kkt));
         let mut preconditioning =
             Preconditioning::new(PreconditionerKind::Block, kkt.topology, kkt.rows, Some(&system)).expect("fits");
-        let c = preconditioning.prepare(&kkt).expect("positive definite");
+        let c = preconditioning.prepare(&kkt, &mut || Ok(())).expect("positive definite");
         for part in [0, 1] {
             let only = |v: &mut [f64]| v.iter_mut().skip(1 - part).step_by(2).for_each(|v| *v = 0.0);
             let mut x = wave(s.size());
@@ -298,7 +329,7 @@ mod tests {
         let m = SchurComplement::new(&products, &kkt);
         let mut preconditioning =
             Preconditioning::new(PreconditionerKind::Block, kkt.topology, kkt.rows, None).expect("fits");
-        let c = preconditioning.prepare(&kkt).expect("positive definite");
+        let c = preconditioning.prepare(&kkt, &mut || Ok(())).expect("positive definite");
         let mut x = wave(m.size());
         x[kkt.rows.triangle_count()..].fill(0.0);
         let (mut mx, mut back) = (vec![0.0; x.len()], vec![0.0; x.len()]);
@@ -315,7 +346,7 @@ mod tests {
         let mut preconditioning =
             Preconditioning::new(PreconditionerKind::Block, kkt.topology, kkt.rows, None).expect("fits");
         for (iterations, factorisations) in [(10, 1), (REFACTOR_AFTER, 1), (REFACTOR_AFTER + 1, 1), (5, 2), (5, 2)] {
-            preconditioning.prepare(&kkt).expect("positive definite");
+            preconditioning.prepare(&kkt, &mut || Ok(())).expect("positive definite");
             assert_eq!(preconditioning.factorisations(), factorisations);
             preconditioning.used(iterations);
         }

@@ -2,9 +2,13 @@
 
 use crate::{KktSystem, KktVector, LinearError};
 use abf_constraints::{ConstraintRows, TriangleReduction, TriangleRows};
+use abf_control::Checkpoint;
 use abf_linalg::{Graph, Permutation, SymmetricMatrix, SymmetricPattern};
 use abf_mesh::{CornerId, FaceId, Topology};
 use std::sync::Arc;
+
+/// After so many faces it is asked whether to go on.
+const FACES: usize = 1 << 16;
 
 /// Marks an edge of a triangle with an end on the boundary: it has no block in `S`.
 const NO_BLOCK: u32 = u32::MAX;
@@ -28,22 +32,37 @@ impl ReducedSystem {
     /// # Errors
     /// [`LinearError`] when the ordering does not fit in memory or in 32-bit indices.
     pub fn new(topology: &Topology, rows: &ConstraintRows) -> Result<Self, LinearError> {
+        Self::asking(topology, rows, &mut || Ok(()))
+    }
+
+    /// [`ReducedSystem::new`] that asks between its parts whether to go on.
+    ///
+    /// # Errors
+    /// As `new`, and [`LinearError::Cancelled`].
+    pub fn asking(
+        topology: &Topology,
+        rows: &ConstraintRows,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
         let graph = Graph::from_edges(rows.interior_count(), interior_edges(topology, rows));
+        checkpoint()?;
         let order = graph.amd()?;
+        checkpoint()?;
         let pattern = Arc::new(SymmetricPattern::of_blocks(&graph, &order, 2));
         let interior = |c: CornerId| rows.interior_index(topology.vertex(c));
-        let edge_slot = topology
-            .faces()
-            .map(|f| {
-                [0, 1, 2].map(|k| match (interior(f.corner(k)), interior(f.corner((k + 1) % 3))) {
-                    (Some(a), Some(b)) => {
-                        let (a, b) = (order.new_index(a), order.new_index(b));
-                        pattern.slot(2 * a.max(b), 2 * a.min(b)) as u32
-                    }
-                    _ => NO_BLOCK,
-                })
-            })
-            .collect();
+        let mut edge_slot = Vec::with_capacity(topology.face_count());
+        for f in topology.faces() {
+            if f.index().is_multiple_of(FACES) {
+                checkpoint()?;
+            }
+            edge_slot.push([0, 1, 2].map(|k| match (interior(f.corner(k)), interior(f.corner((k + 1) % 3))) {
+                (Some(a), Some(b)) => {
+                    let (a, b) = (order.new_index(a), order.new_index(b));
+                    pattern.slot(2 * a.max(b), 2 * a.min(b)) as u32
+                }
+                _ => NO_BLOCK,
+            }));
+        }
         Ok(Self { graph, order, pattern, edge_slot })
     }
 

@@ -53,7 +53,9 @@ impl AngleSolver for Minres {
         observer: &mut dyn Observer,
     ) -> Result<AngleSolution, SolveError> {
         self.iterative.check(&self.newton)?;
-        let prepare = |_: &mut Watch<'_>| MinresStep::new(problem.topology(), problem.rows(), self.iterative);
+        let prepare = |watch: &mut Watch<'_>| {
+            MinresStep::asking(problem.topology(), problem.rows(), self.iterative, &mut || watch.checkpoint())
+        };
         self.newton.solve_with(problem, stop, observer, prepare)
     }
 }

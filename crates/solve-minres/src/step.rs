@@ -1,7 +1,7 @@
 //! One quadratic step by MINRES, on the whole `M` or on the reduced `S`.
 
 use abf_constraints::ConstraintRows;
-use abf_control::Watch;
+use abf_control::{Checkpoint, Watch};
 use abf_linalg::{SymmetricMatrix, minres};
 use abf_mesh::Topology;
 use abf_solve_core::{
@@ -31,15 +31,28 @@ impl MinresStep {
     /// # Errors
     /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
     pub fn new(topology: &Topology, rows: &ConstraintRows, settings: IterativeSettings) -> Result<Self, LinearError> {
+        Self::asking(topology, rows, settings, &mut || Ok(()))
+    }
+
+    /// [`MinresStep::new`] that asks between its parts whether to go on.
+    ///
+    /// # Errors
+    /// As `new`, and [`LinearError::Cancelled`].
+    pub fn asking(
+        topology: &Topology,
+        rows: &ConstraintRows,
+        settings: IterativeSettings,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
         let system = match settings.reduction {
             Reduction::None => System::Whole(Box::new(ConstraintProducts::whole(topology, rows))),
-            Reduction::Triangles => System::Reduced(Arc::new(ReducedSystem::new(topology, rows)?)),
+            Reduction::Triangles => System::Reduced(Arc::new(ReducedSystem::asking(topology, rows, checkpoint)?)),
         };
         let reduced = match &system {
             System::Whole(_) => None,
             System::Reduced(reduced) => Some(reduced),
         };
-        let preconditioning = Preconditioning::new(settings.preconditioner, topology, rows, reduced)?;
+        let preconditioning = Preconditioning::asking(settings.preconditioner, topology, rows, reduced, checkpoint)?;
         Ok(Self { settings, system, preconditioning })
     }
 
@@ -58,7 +71,7 @@ impl KktStep for MinresStep {
         watch: &mut Watch<'_>,
         out: &mut KktVector,
     ) -> Result<StepReport, StepError> {
-        let preconditioner = self.preconditioning.prepare(kkt)?;
+        let preconditioner = self.preconditioning.prepare(kkt, &mut || watch.checkpoint())?;
         let params = self.settings.krylov(tolerance);
         let mut go_on = |iteration, estimate| watch.inner(iteration, estimate).unwrap_or(false);
         let stats = match &mut self.system {

@@ -55,7 +55,9 @@ impl AngleSolver for Uzawa {
         observer: &mut dyn Observer,
     ) -> Result<AngleSolution, SolveError> {
         self.iterative.check(&self.newton)?;
-        let prepare = |_: &mut Watch<'_>| UzawaStep::new(problem.topology(), problem.rows(), self.iterative);
+        let prepare = |watch: &mut Watch<'_>| {
+            UzawaStep::asking(problem.topology(), problem.rows(), self.iterative, &mut || watch.checkpoint())
+        };
         self.newton.solve_with(problem, stop, observer, prepare)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{RightHandSide, SaddlePoint, uzawa};
 use abf_constraints::{ConstraintRows, TriangleReduction};
-use abf_control::{Fallback, Watch};
+use abf_control::{Checkpoint, Fallback, Watch};
 use abf_linalg::{KrylovEnd, KrylovParams, KrylovStats};
 use abf_mesh::Topology;
 use abf_solve_core::{
@@ -31,15 +31,29 @@ impl UzawaStep {
     /// # Errors
     /// [`LinearError`] when that does not fit in memory or in 32-bit indices.
     pub fn new(topology: &Topology, rows: &ConstraintRows, settings: IterativeSettings) -> Result<Self, LinearError> {
+        Self::asking(topology, rows, settings, &mut || Ok(()))
+    }
+
+    /// [`UzawaStep::new`] that asks between its parts whether to go on.
+    ///
+    /// # Errors
+    /// As `new`, and [`LinearError::Cancelled`].
+    pub fn asking(
+        topology: &Topology,
+        rows: &ConstraintRows,
+        settings: IterativeSettings,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
         let reduced = match settings.reduction {
             Reduction::None => None,
-            Reduction::Triangles => Some(Arc::new(ReducedSystem::new(topology, rows)?)),
+            Reduction::Triangles => Some(Arc::new(ReducedSystem::asking(topology, rows, checkpoint)?)),
         };
         let products = match &reduced {
             None => ConstraintProducts::whole(topology, rows),
             Some(system) => ConstraintProducts::reduced(topology, rows, system),
         };
-        let preconditioning = Preconditioning::new(settings.preconditioner, topology, rows, reduced.as_ref())?;
+        let preconditioning =
+            Preconditioning::asking(settings.preconditioner, topology, rows, reduced.as_ref(), checkpoint)?;
         Ok(Self { settings, products, reduced, preconditioning })
     }
 
@@ -58,7 +72,7 @@ impl UzawaStep {
         watch: &mut Watch<'_>,
         out: &mut KktVector,
     ) -> Result<KrylovStats, StepError> {
-        let c = self.preconditioning.prepare(kkt)?;
+        let c = self.preconditioning.prepare(kkt, &mut || watch.checkpoint())?;
         let saddle = Saddle::new(&self.products, kkt, self.settings.reduction);
         let (f, g) = saddle.right_hand_side(kkt);
         let max_iterations = self.settings.max_inner_iterations - done;
