@@ -75,6 +75,9 @@ mod tests {
         format!("{error}: {source}")
     }
 
+    /// Puts a setting out of range, where a solver has it.
+    type Spoil = dyn Fn(&mut Solver) -> Option<()>;
+
     #[test]
     fn the_defaults_of_every_solver_are_in_range() {
         for solver in Solver::all() {
@@ -86,7 +89,7 @@ mod tests {
     fn settings_of_every_solver_are_refused_as_a_run_refuses_them() {
         let mut checked = 0;
         for solver in Solver::all() {
-            let spoils: [&dyn Fn(&mut Solver) -> Option<()>; 4] = [
+            let spoils: [&Spoil; 4] = [
                 &|s| s.parts_mut().newton.map(|newton| newton.inner_tolerance = InnerTolerance::Fixed(2.0)),
                 &|s| s.parts_mut().iterative.map(|iterative| iterative.max_inner_iterations = 0),
                 &|s| s.parts_mut().barrier.map(|barrier| barrier.barrier_floor = -1.0),
