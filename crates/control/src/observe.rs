@@ -86,6 +86,18 @@ pub trait Observer {
 /// What long work calls between its blocks; it ends with the error at once.
 pub type Checkpoint<'a> = dyn FnMut() -> Result<(), Cancelled> + 'a;
 
+/// So many steps of a long loop are a block: a few milliseconds where a step takes a tenth of a microsecond.
+const BLOCK: usize = 1 << 15;
+
+/// Calls the checkpoint of a long loop before every block of its steps, which are counted from 0.
+///
+/// # Errors
+/// What the checkpoint returns.
+#[inline]
+pub fn at_block(step: usize, checkpoint: &mut Checkpoint<'_>) -> Result<(), Cancelled> {
+    if step.is_multiple_of(BLOCK) { checkpoint() } else { Ok(()) }
+}
+
 /// Tells an observer what happens, outside of a solver's loop: only [`Verdict::Abort`] ends it, since a stopped run still
 /// has its result laid out and certified.
 ///
@@ -195,6 +207,17 @@ mod tests {
                 _ => Verdict::Continue,
             }
         }
+    }
+
+    #[test]
+    fn a_long_loop_is_asked_before_every_block() {
+        let mut asked = 0;
+        let mut checkpoint = || {
+            asked += 1;
+            if asked == 3 { Err(Cancelled) } else { Ok(()) }
+        };
+        let end = (0..10 * BLOCK).find(|&step| at_block(step, &mut checkpoint).is_err());
+        assert_eq!((end, asked), (Some(2 * BLOCK), 3));
     }
 
     #[test]

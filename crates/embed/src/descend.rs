@@ -305,7 +305,8 @@ impl<'p, 'a> Run<'p, 'a> {
     fn step(&mut self, direction: &Direction, watch: &mut Watch<'_>) -> Result<bool, Cancelled> {
         let value = self.objective.value(&self.angles);
         let (objective, uv, angles) = (self.objective, &self.uv, &self.angles);
-        let place = Search { objective, uv, angles, value, direction }.run(&mut self.retraction);
+        let place =
+            Search { objective, uv, angles, value, direction }.run(&mut self.retraction, &mut || watch.checkpoint())?;
         let found = place.is_some();
         let place = place.unwrap_or_else(|| Place {
             uv: self.uv.clone(),

@@ -4,6 +4,8 @@ use crate::newton::Direction;
 use crate::objective::Objective;
 use crate::plane::{angles, first_collapse, not_counter_clockwise, of_face};
 use crate::retract::Retraction;
+use abf_control::{Cancelled, Checkpoint};
+use abf_linalg::LinearError;
 use abf_mesh::{Point2, Topology, Vector2};
 use std::f64::consts::PI;
 
@@ -62,35 +64,66 @@ pub(crate) struct Search<'s, 'p, 'a> {
 
 impl Search<'_, '_, '_> {
     /// The better of the best straight step and the best one that turns and scales; `None` when there is neither.
-    pub(crate) fn run(&self, retraction: &mut Retraction) -> Option<Place> {
-        let (turning, straight) = (self.turning(retraction), self.straight());
-        match (turning, straight) {
+    pub(crate) fn run(
+        &self,
+        retraction: &mut Retraction,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Option<Place>, Cancelled> {
+        let (turning, straight) = (self.turning(retraction, checkpoint)?, self.straight(checkpoint)?);
+        Ok(match (turning, straight) {
             (Some(turning), Some(straight)) if straight.objective < turning.objective => Some(straight),
             (turning, straight) => turning.or(straight),
-        }
-    }
-
-    fn straight(&self) -> Option<Place> {
-        let end: f64 = (WAY_TO_COLLAPSE * self.first_collapse(&self.direction.motion)).min(1.0);
-        let shares = std::iter::successors(Some(end), |s| Some(0.5 * s)).take(STRAIGHT_TRIALS);
-        let moved = |s: f64| self.uv.iter().zip(&self.direction.motion).map(|(p, d)| p + d * s).collect();
-        shares.into_iter().find_map(|s| self.accept(moved(s), s, StepKind::Straight))
-    }
-
-    fn turning(&self, retraction: &mut Retraction) -> Option<Place> {
-        let topology = self.objective.problem.topology();
-        let laplacian = retraction.at(topology, self.uv, self.angles).ok()?;
-        let mut shares = std::iter::successors(Some(1.0), |s| Some(0.5 * s)).take(TURNING_TRIALS);
-        shares.find_map(|s| {
-            let end = laplacian.advance(topology, self.uv, self.angles, self.direction, s).ok()?;
-            if not_counter_clockwise(topology, &end).is_none() {
-                return self.accept(end, s, StepKind::Turning);
-            }
-            let way: Vec<Vector2<f64>> = end.iter().zip(self.uv).map(|(to, from)| to - from).collect();
-            let part = WAY_TO_COLLAPSE * self.first_collapse(&way);
-            let there = || self.uv.iter().zip(&way).map(|(p, d)| p + d * part).collect();
-            (WORTH_GOING..1.0).contains(&part).then(|| self.accept(there(), s * part, StepKind::Turning)).flatten()
         })
+    }
+
+    fn straight(&self, checkpoint: &mut Checkpoint<'_>) -> Result<Option<Place>, Cancelled> {
+        let end: f64 = (WAY_TO_COLLAPSE * self.first_collapse(&self.direction.motion)).min(1.0);
+        let moved = |s: f64| self.uv.iter().zip(&self.direction.motion).map(|(p, d)| p + d * s).collect();
+        for s in std::iter::successors(Some(end), |s| Some(0.5 * s)).take(STRAIGHT_TRIALS) {
+            checkpoint()?;
+            if let Some(place) = self.accept(moved(s), s, StepKind::Straight, checkpoint)? {
+                return Ok(Some(place));
+            }
+        }
+        Ok(None)
+    }
+
+    fn turning(
+        &self,
+        retraction: &mut Retraction,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Option<Place>, Cancelled> {
+        let topology = self.objective.problem.topology();
+        let laplacian = usable(retraction.at(topology, self.uv, self.angles, checkpoint))?;
+        let Some(laplacian) = laplacian else { return Ok(None) };
+        for s in std::iter::successors(Some(1.0), |s| Some(0.5 * s)).take(TURNING_TRIALS) {
+            let end = usable(laplacian.advance(topology, self.uv, self.angles, self.direction, s, checkpoint))?;
+            let Some(end) = end else { continue };
+            if let Some(place) = self.towards(end, s, checkpoint)? {
+                return Ok(Some(place));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The end of a step that turns and scales, or as much of the way there as is worth going.
+    fn towards(
+        &self,
+        end: Vec<Point2<f64>>,
+        share: f64,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Option<Place>, Cancelled> {
+        if not_counter_clockwise(self.objective.problem.topology(), &end).is_none() {
+            return self.accept(end, share, StepKind::Turning, checkpoint);
+        }
+        let way: Vec<Vector2<f64>> = end.iter().zip(self.uv).map(|(to, from)| to - from).collect();
+        let part = WAY_TO_COLLAPSE * self.first_collapse(&way);
+        if !(WORTH_GOING..1.0).contains(&part) {
+            return Ok(None);
+        }
+        checkpoint()?;
+        let there = self.uv.iter().zip(&way).map(|(p, d)| p + d * part).collect();
+        self.accept(there, share * part, StepKind::Turning, checkpoint)
     }
 
     fn first_collapse(&self, motion: &[Vector2<f64>]) -> f64 {
@@ -99,18 +132,35 @@ impl Search<'_, '_, '_> {
         topology.faces().map(of).fold(f64::INFINITY, f64::min)
     }
 
-    fn accept(&self, uv: Vec<Point2<f64>>, share: f64, kind: StepKind) -> Option<Place> {
+    fn accept(
+        &self,
+        uv: Vec<Point2<f64>>,
+        share: f64,
+        kind: StepKind,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Option<Place>, Cancelled> {
         let topology = self.objective.problem.topology();
         if not_counter_clockwise(topology, &uv).is_some() {
-            return None;
+            return Ok(None);
         }
+        checkpoint()?;
         let angles = measured(topology, &uv);
+        checkpoint()?;
         // A step that turns edges may jump: all triangles counter-clockwise, and yet twice around a vertex.
         if winds_twice(&self.objective, &angles) {
-            return None;
+            return Ok(None);
         }
         let objective = self.objective.value(&angles);
         let enough = objective < self.value && objective <= self.value + SUFFICIENT * share * self.direction.slope;
-        enough.then_some(Place { uv, angles, objective, share, kind })
+        Ok(enough.then_some(Place { uv, angles, objective, share, kind }))
+    }
+}
+
+/// What was solved for; `None` where there is no solution.
+fn usable<T>(solved: Result<T, LinearError>) -> Result<Option<T>, Cancelled> {
+    match solved {
+        Ok(solved) => Ok(Some(solved)),
+        Err(LinearError::Cancelled(cancelled)) => Err(cancelled),
+        Err(_) => Ok(None),
     }
 }

@@ -3,7 +3,7 @@
 use crate::objective::Objective;
 use crate::plane::{angle_derivatives, at_resolution, edges, of_face};
 use crate::system::FaceSystem;
-use abf_control::Checkpoint;
+use abf_control::{Cancelled, Checkpoint, at_block};
 use abf_linalg::{Cholesky, LinearError, LinearStats, Refinement};
 use abf_mesh::{FaceId, Point2, Topology, Vector2, VertexId};
 
@@ -55,11 +55,9 @@ impl Newton {
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Direction, LinearError> {
         let topology = objective.problem.topology();
-        let (gradient, held) = self.assemble(objective, uv, angles);
-        checkpoint()?;
-        let factors = self.system.factorise()?;
-        checkpoint()?;
-        let (motion, linear) = self.solve(topology, &factors, &gradient)?;
+        let (gradient, held) = self.assemble(objective, uv, angles, checkpoint)?;
+        let factors = self.system.factorise(checkpoint)?;
+        let (motion, linear) = self.solve(topology, &factors, &gradient, checkpoint)?;
         checkpoint()?;
         let slope = gradient.iter().zip(&motion).map(|(g, d)| g.dot(d)).sum();
         let angle_change = topology.faces().flat_map(|face| angle_change(topology, uv, &motion, face)).collect();
@@ -72,12 +70,14 @@ impl Newton {
         objective: &Objective<'_, '_>,
         uv: &[Point2<f64>],
         angles: &[f64],
-    ) -> (Vec<Vector2<f64>>, Vec<FaceId>) {
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(Vec<Vector2<f64>>, Vec<FaceId>), Cancelled> {
         let mut held = Vec::new();
         let topology = objective.problem.topology();
         let mut gradient = vec![Vector2::zeros(); uv.len()];
         self.system.clear();
         for face in topology.faces() {
+            at_block(face.index(), checkpoint)?;
             let points = of_face(topology, uv, face);
             let vertices = topology.face_vertices(face);
             let mut block = [[0.0; 6]; 6];
@@ -105,7 +105,7 @@ impl Newton {
             }
             self.system.add(face.index(), &block);
         }
-        (gradient, held)
+        Ok((gradient, held))
     }
 
     fn solve(
@@ -113,6 +113,7 @@ impl Newton {
         topology: &Topology,
         factors: &Cholesky<f64>,
         gradient: &[Vector2<f64>],
+        checkpoint: &mut Checkpoint<'_>,
     ) -> Result<(Vec<Vector2<f64>>, LinearStats), LinearError> {
         let unknown = |v| self.system.numbering.unknown(v);
         let mut rhs = vec![0.0; self.system.matrix.size()];
@@ -121,7 +122,7 @@ impl Newton {
                 (0..2).for_each(|axis| rhs[2 * u + axis] = -gradient[v.index()][axis]);
             }
         }
-        let linear = factors.solve(&self.system.matrix, &mut rhs, REFINEMENT)?;
+        let linear = factors.solve_asking(&self.system.matrix, &mut rhs, REFINEMENT, checkpoint)?;
         let motion = |v| unknown(v).map_or(Vector2::zeros(), |u| Vector2::new(rhs[2 * u], rhs[2 * u + 1]));
         Ok((topology.vertices().map(motion).collect(), linear))
     }

@@ -11,7 +11,7 @@
 use crate::newton::Direction;
 use crate::plane::{edges, of_face, orientation};
 use crate::system::FaceSystem;
-use abf_control::Checkpoint;
+use abf_control::{Checkpoint, at_block};
 use abf_linalg::{Cholesky, Complex64, LinearError, Refinement};
 use abf_mesh::{FaceId, Point2, Topology, VertexId};
 use std::f64::consts::PI;
@@ -50,17 +50,19 @@ impl Retraction {
         topology: &Topology,
         uv: &[Point2<f64>],
         angles: &[f64],
+        checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Laplacian<'_>, LinearError> {
         self.system.clear();
         let mut weights = Vec::with_capacity(topology.face_count());
         for face in topology.faces() {
+            at_block(face.index(), checkpoint)?;
             let double_area = orientation(&of_face(topology, uv, face));
             let of_face = face.corners().map(|c| 1.0 / (angles[c.index()].tan() * double_area));
             let [a, b, c] = of_face;
             self.system.add(face.index(), &[[b + c, -c, -b], [-c, a + c, -a], [-b, -a, a + b]]);
             weights.push(of_face);
         }
-        let factors = self.system.factorise()?;
+        let factors = self.system.factorise(checkpoint)?;
         Ok(Laplacian { retraction: self, factors, weights })
     }
 }
@@ -74,10 +76,12 @@ impl Laplacian<'_> {
         angles: &[f64],
         direction: &Direction,
         share: f64,
+        checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Vec<Point2<f64>>, LinearError> {
         let system = &self.retraction.system;
         let mut rhs = [vec![0.0; system.matrix.size()], vec![0.0; system.matrix.size()]];
         for face in topology.faces() {
+            at_block(face.index(), checkpoint)?;
             // Solved for what the targets say beyond the straight line: small, where the coordinates are not.
             let beyond = beyond_straight(topology, uv, angles, direction, face, share);
             let unknowns = topology.face_vertices(face).map(|v| system.numbering.unknown(v));
@@ -92,8 +96,10 @@ impl Laplacian<'_> {
             }
         }
         for rhs in &mut rhs {
-            self.factors.solve(&system.matrix, rhs, REFINEMENT)?;
+            checkpoint()?;
+            self.factors.solve_asking(&system.matrix, rhs, REFINEMENT, checkpoint)?;
         }
+        checkpoint()?;
         let advanced = |v: VertexId| {
             let straight = uv[v.index()] + direction.motion[v.index()] * share;
             system

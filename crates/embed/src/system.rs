@@ -1,6 +1,6 @@
 //! Linear systems with a block of unknowns for every vertex and a contribution of every face.
 
-use abf_control::Checkpoint;
+use abf_control::{Checkpoint, at_block};
 use abf_linalg::{Cholesky, Graph, LinearError, Permutation, SymbolicCholesky, SymmetricMatrix, SymmetricPattern};
 use abf_mesh::{Topology, VertexId};
 use std::sync::Arc;
@@ -78,9 +78,14 @@ impl<const N: usize> FaceSystem<N> {
                 })
             })
         };
-        let slots = topology.faces().map(slots_of).collect();
+        let mut slots = Vec::with_capacity(topology.face_count());
+        for face in topology.faces() {
+            at_block(face.index(), checkpoint)?;
+            slots.push(slots_of(face));
+        }
         checkpoint()?;
         let symbolic = SymbolicCholesky::analyse(Arc::clone(&pattern))?;
+        checkpoint()?;
         Ok(Self { numbering, matrix: SymmetricMatrix::zeros(pattern), symbolic, slots })
     }
 
@@ -102,9 +107,10 @@ impl<const N: usize> FaceSystem<N> {
 
     /// Factorises the matrix with a little more on its diagonal: [`DIAGONAL_DAMPING`] of it, multiplied by 10 until the
     /// factorisation succeeds.
-    pub(crate) fn factorise(&mut self) -> Result<Cholesky<f64>, LinearError> {
+    pub(crate) fn factorise(&mut self, checkpoint: &mut Checkpoint<'_>) -> Result<Cholesky<f64>, LinearError> {
         let mut damping = DIAGONAL_DAMPING.start;
         loop {
+            checkpoint()?;
             for column in 0..self.matrix.size() {
                 let diagonal = self.matrix.pattern().column(column).start;
                 self.matrix.values[diagonal] *= 1.0 + damping;
@@ -112,7 +118,10 @@ impl<const N: usize> FaceSystem<N> {
             damping *= 10.0;
             match self.symbolic.factorise(&self.matrix) {
                 Err(LinearError::NotPositiveDefinite { .. }) if DIAGONAL_DAMPING.contains(&damping) => {}
-                result => return result,
+                result => {
+                    checkpoint()?;
+                    return result;
+                }
             }
         }
     }

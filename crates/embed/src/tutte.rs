@@ -10,7 +10,7 @@
 
 use crate::EmbedError;
 use crate::plane::not_counter_clockwise;
-use abf_control::{Silent, StopCriteria, Watch};
+use abf_control::{Silent, StopCriteria, Watch, at_block};
 use abf_linalg::{LinearError, Refinement, SparseMatrix, SymbolicLu};
 use abf_mesh::{CornerId, Point2, Topology, TriMesh, Vector2, VertexId};
 use std::f64::consts::TAU;
@@ -117,14 +117,21 @@ fn place(
     let interior: Vec<VertexId> = topology.vertices().filter(|&v| topology.is_interior(v)).collect();
     let mut unknown = vec![u32::MAX; topology.vertex_count()];
     interior.iter().enumerate().for_each(|(u, v)| unknown[v.index()] = u as u32);
-    let rows: Vec<Vec<(VertexId, f64)>> = interior.iter().map(|&v| means(mesh, topology, v, weights)).collect();
+    let mut rows: Vec<Vec<(VertexId, f64)>> = Vec::with_capacity(interior.len());
+    for (u, &v) in interior.iter().enumerate() {
+        at_block(u, &mut || watch.checkpoint())?;
+        rows.push(means(mesh, topology, v, weights));
+    }
+    watch.checkpoint()?;
 
     let mut triplets = Vec::new();
     for (u, row) in rows.iter().enumerate() {
+        at_block(u, &mut || watch.checkpoint())?;
         triplets.push((u as u32, u as u32, 1.0));
         let inner = row.iter().map(|&(j, weight)| (u as u32, unknown[j.index()], -weight));
         triplets.extend(inner.filter(|&(_, column, _)| column != u32::MAX));
     }
+    watch.checkpoint()?;
     let matrix = SparseMatrix::from_triplets(interior.len(), &triplets);
     watch.checkpoint()?;
     let symbolic = SymbolicLu::analyse(&matrix)?;
@@ -138,7 +145,7 @@ fn place(
         let pulls: Vec<Vector2<f64>> = interior.iter().zip(&rows).map(|(&v, row)| pull(&uv, v, row)).collect();
         for axis in 0..2 {
             let mut rhs: Vec<f64> = pulls.iter().map(|pull| pull[axis]).collect();
-            match factors.solve(&matrix, &mut rhs, Refinement::default()) {
+            match factors.solve_asking(&matrix, &mut rhs, Refinement::default(), &mut || watch.checkpoint()) {
                 Ok(_) => {}
                 // A residual that is all rounding has nothing left to correct.
                 Err(LinearError::NoSolution { .. }) if pulls.iter().all(|p| p.amax() <= f64::EPSILON) => continue,

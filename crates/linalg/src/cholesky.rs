@@ -2,6 +2,7 @@
 
 use crate::refine::solve_refined;
 use crate::{LinearError, LinearStats, Preconditioner, Refinement, Scalar, SymmetricMatrix, SymmetricPattern};
+use abf_control::Checkpoint;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::solvers::LltError;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -141,7 +142,25 @@ impl<T: Scalar> Cholesky<T> {
         rhs: &mut [T],
         refinement: Refinement,
     ) -> Result<LinearStats, LinearError> {
-        solve_refined(rhs, refinement, |x| self.apply_inverse(x), |x, b, out| matrix.residual(x, b, out))
+        self.solve_asking(matrix, rhs, refinement, &mut || Ok(()))
+    }
+
+    /// [`Cholesky::solve`] that asks before every refinement whether to go on.
+    ///
+    /// # Errors
+    /// As `solve`, and [`LinearError::Cancelled`].
+    ///
+    /// # Panics
+    /// As `solve`.
+    pub fn solve_asking(
+        &self,
+        matrix: &SymmetricMatrix<T>,
+        rhs: &mut [T],
+        refinement: Refinement,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<LinearStats, LinearError> {
+        let inverse = |x: &mut [T]| self.apply_inverse(x);
+        solve_refined(rhs, refinement, inverse, |x, b, out| matrix.residual(x, b, out), checkpoint)
     }
 }
 

@@ -6,6 +6,7 @@
 use crate::cholesky::allocate;
 use crate::refine::solve_refined;
 use crate::{LinearError, LinearStats, Refinement, SymbolicCholesky, SymmetricMatrix};
+use abf_control::Checkpoint;
 use faer::dyn_stack::MemStack;
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{IntranodeLbltRef, SymbolicCholeskyRaw, supernodal::SupernodalIntranodeLbltRef};
@@ -118,7 +119,25 @@ impl Indefinite {
         rhs: &mut [f64],
         refinement: Refinement,
     ) -> Result<LinearStats, LinearError> {
-        solve_refined(rhs, refinement, |x| self.apply_inverse(x), |x, b, out| matrix.residual(x, b, out))
+        self.solve_asking(matrix, rhs, refinement, &mut || Ok(()))
+    }
+
+    /// [`Indefinite::solve`] that asks before every refinement whether to go on.
+    ///
+    /// # Errors
+    /// As `solve`, and [`LinearError::Cancelled`].
+    ///
+    /// # Panics
+    /// As `solve`.
+    pub fn solve_asking(
+        &self,
+        matrix: &SymmetricMatrix<f64>,
+        rhs: &mut [f64],
+        refinement: Refinement,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<LinearStats, LinearError> {
+        let inverse = |x: &mut [f64]| self.apply_inverse(x);
+        solve_refined(rhs, refinement, inverse, |x, b, out| matrix.residual(x, b, out), checkpoint)
     }
 
     /// How many eigenvalues of `B` are negative, and so, by Sylvester's law of inertia, of the matrix.

@@ -3,6 +3,7 @@
 use crate::cholesky::allocate;
 use crate::refine::solve_refined;
 use crate::{LinearError, LinearStats, Refinement, SparseMatrix};
+use abf_control::Checkpoint;
 use faer::dyn_stack::MemStack;
 use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::lu::{self as faer_lu, LuRef, LuSymbolicParams, NumericLu, factorize_symbolic_lu};
@@ -86,7 +87,25 @@ impl Lu {
         rhs: &mut [f64],
         refinement: Refinement,
     ) -> Result<LinearStats, LinearError> {
-        solve_refined(rhs, refinement, |x| self.apply_inverse(x), |x, b, out| matrix.residual(x, b, out))
+        self.solve_asking(matrix, rhs, refinement, &mut || Ok(()))
+    }
+
+    /// [`Lu::solve`] that asks before every refinement whether to go on.
+    ///
+    /// # Errors
+    /// As `solve`, and [`LinearError::Cancelled`].
+    ///
+    /// # Panics
+    /// As `solve`.
+    pub fn solve_asking(
+        &self,
+        matrix: &SparseMatrix,
+        rhs: &mut [f64],
+        refinement: Refinement,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<LinearStats, LinearError> {
+        let inverse = |x: &mut [f64]| self.apply_inverse(x);
+        solve_refined(rhs, refinement, inverse, |x, b, out| matrix.residual(x, b, out), checkpoint)
     }
 
     fn apply_inverse(&self, rhs: &mut [f64]) -> Result<(), LinearError> {

@@ -2,6 +2,7 @@
 
 use crate::vector::norm;
 use crate::{LinearError, Scalar};
+use abf_control::Checkpoint;
 
 /// When to refine a solution, and how often at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +31,14 @@ pub struct LinearStats {
 /// Solves `A x = b`, `rhs` being `b` on entry and `x` on return: `x ← F⁻¹b`, then `x ← x + F⁻¹(b − Ax)`
 /// until the true residual meets `refinement.tolerance` or no longer falls.
 ///
-/// `apply_inverse` overwrites a vector with `F⁻¹` of it; `residual(x, b, out)` writes `b − Ax`.
+/// `apply_inverse` overwrites a vector with `F⁻¹` of it; `residual(x, b, out)` writes `b − Ax`. The checkpoint is asked
+/// before every refinement.
 pub(crate) fn solve_refined<T: Scalar>(
     rhs: &mut [T],
     refinement: Refinement,
     apply_inverse: impl Fn(&mut [T]) -> Result<(), LinearError>,
     residual: impl Fn(&[T], &[T], &mut [T]),
+    checkpoint: &mut Checkpoint<'_>,
 ) -> Result<LinearStats, LinearError> {
     let b = rhs.to_vec();
     let scale = norm(&b);
@@ -47,6 +50,7 @@ pub(crate) fn solve_refined<T: Scalar>(
     residual(rhs, &b, &mut correction);
     let mut stats = LinearStats { iterations: 0, relative_residual: norm(&correction) / scale };
     while stats.relative_residual > refinement.tolerance && stats.iterations < refinement.max_steps {
+        checkpoint()?;
         apply_inverse(&mut correction)?;
         let refined: Vec<T> = rhs.iter().zip(&correction).map(|(&x, &d)| x + d).collect();
         residual(&refined, &b, &mut correction);

@@ -13,12 +13,9 @@
 
 use crate::numbering::Numbering;
 use crate::{LinearError, LinearStats, Pins};
-use abf_control::Checkpoint;
+use abf_control::{Checkpoint, at_block};
 use abf_linalg::{Complex64, Refinement, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::{CornerId, FaceId, Topology, VertexId};
-
-/// After so many faces it is asked whether to go on.
-const BLOCK: usize = 1 << 15;
 
 /// One coordinate per vertex, the pins at 0 and 1.
 pub(crate) fn place(
@@ -34,9 +31,7 @@ pub(crate) fn place(
     let mut rhs = vec![Complex64::default(); matrix.size()];
     let axis = Complex64::from(1.0);
     for face in topology.faces() {
-        if face.index().is_multiple_of(BLOCK) {
-            checkpoint()?;
-        }
+        at_block(face.index(), checkpoint)?;
         let (vertices, coefficients, weight) = equation(topology, angles, face, weighted);
         for (&v, &a) in vertices.iter().zip(&coefficients) {
             let Some(row) = numbering.unknown(v) else { continue };
@@ -56,7 +51,7 @@ pub(crate) fn place(
     checkpoint()?;
     let factors = symbolic.factorise(&matrix)?;
     checkpoint()?;
-    let stats = factors.solve(&matrix, &mut rhs, Refinement::default())?;
+    let stats = factors.solve_asking(&matrix, &mut rhs, Refinement::default(), checkpoint)?;
     let mut z: Vec<Complex64> =
         topology.vertices().map(|v| numbering.unknown(v).map_or(Complex64::default(), |u| rhs[u])).collect();
     z[pins.axis.index()] = axis;

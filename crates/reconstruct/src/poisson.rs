@@ -8,12 +8,9 @@
 use crate::numbering::Numbering;
 use crate::tree::EdgeVectors;
 use crate::{LinearError, LinearStats, Pins};
-use abf_control::Checkpoint;
+use abf_control::{Checkpoint, at_block};
 use abf_linalg::{Complex64, Refinement, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::Topology;
-
-/// After so many corners it is asked whether to go on.
-const BLOCK: usize = 1 << 17;
 
 /// One coordinate per vertex, the first pin at 0.
 pub(crate) fn place(
@@ -28,9 +25,7 @@ pub(crate) fn place(
     let mut matrix = SymmetricMatrix::<f64>::zeros(numbering.pattern.clone());
     let (mut x, mut y) = (vec![0.0; matrix.size()], vec![0.0; matrix.size()]);
     for c in topology.corners() {
-        if c.index().is_multiple_of(BLOCK) {
-            checkpoint()?;
-        }
+        at_block(c.index(), checkpoint)?;
         let weight = angles[c.index()].tan().recip();
         let edge = edges.vector(c) * weight;
         let (from, to) = (numbering.unknown(topology.vertex(c.next())), numbering.unknown(topology.vertex(c.prev())));

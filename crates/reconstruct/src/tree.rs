@@ -5,15 +5,12 @@
 //! of the length and the direction of an edge are carried instead. Both are sums of functions of the
 //! angles, so errors add up; coordinates are sums of edge vectors.
 
-use abf_control::{Cancelled, Checkpoint};
+use abf_control::{Cancelled, Checkpoint, at_block};
 use abf_linalg::Complex64;
 use abf_mesh::{CornerId, FaceId, Topology};
 use abf_parallel::prelude::*;
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
-
-/// After so many faces it is asked whether to go on.
-const BLOCK: usize = 1 << 16;
 
 /// The edge vectors of every triangle, each triangle having the shape its angles say.
 pub(crate) struct EdgeVectors {
@@ -40,9 +37,7 @@ impl EdgeVectors {
         edges[0] = (0.0, 0.0);
         reached[0] = true;
         while let Some(entry) = queue.pop_front() {
-            if visits.len().is_multiple_of(BLOCK) {
-                checkpoint()?;
-            }
+            at_block(visits.len(), checkpoint)?;
             visits.push(entry);
             // The edge of the entry is known; the other two follow from it.
             for c in [entry, entry.next()] {

@@ -78,14 +78,13 @@ impl StepSystem {
             gradient,
             residual,
         };
-        self.reduced.assemble(&kkt, &mut self.matrix, &mut self.rhs);
-        checkpoint()?;
+        self.reduced.assemble_asking(&kkt, &mut self.matrix, &mut self.rhs, checkpoint)?;
         let factors = match self.factors.take() {
             Some(factors) => factors,
             None => self.symbolic.factorise(&self.matrix)?,
         };
         checkpoint()?;
-        let stats = factors.solve(&self.matrix, &mut self.rhs, Refinement::default())?;
+        let stats = factors.solve_asking(&self.matrix, &mut self.rhs, Refinement::default(), checkpoint)?;
         self.factors = Some(factors);
         checkpoint()?;
         self.reduced.back_substitute(&kkt, &self.rhs, out);

@@ -55,7 +55,7 @@ impl KktStep for DirectStep {
         watch: &mut Watch<'_>,
         out: &mut KktVector,
     ) -> Result<StepReport, StepError> {
-        self.system.assemble(kkt, &mut self.matrix, &mut self.rhs);
+        self.system.assemble_asking(kkt, &mut self.matrix, &mut self.rhs, &mut || watch.checkpoint())?;
         // A factorisation cannot be interrupted, so ask before it.
         if !watch.inner(0, f64::NAN)? {
             return Err(StepError::Interrupted);
@@ -65,14 +65,14 @@ impl KktStep for DirectStep {
         let stats = match self.symbolic.factorise(&self.matrix) {
             Ok(factors) => {
                 watch.checkpoint()?;
-                factors.solve(&self.matrix, &mut self.rhs, refinement)?
+                factors.solve_asking(&self.matrix, &mut self.rhs, refinement, &mut || watch.checkpoint())?
             }
             // Negative entries of Λ may, but need not, make S indefinite.
             Err(LinearError::NotPositiveDefinite { .. }) if kkt.lambda.iter().any(|&l| l < 0.0) => {
                 watch.checkpoint()?;
                 let factors = self.symbolic.factorise_indefinite(&self.matrix)?;
                 watch.checkpoint()?;
-                factors.solve(&self.matrix, &mut self.rhs, refinement)?
+                factors.solve_asking(&self.matrix, &mut self.rhs, refinement, &mut || watch.checkpoint())?
             }
             Err(error) => return Err(error.into()),
         };

@@ -1,7 +1,7 @@
 //! How far to go along a step.
 
 use abf_constraints::{AngleProblem, WheelForm, residual};
-use abf_control::UnknownName;
+use abf_control::{Cancelled, Checkpoint, UnknownName};
 use std::f64::consts::PI;
 
 /// How angles are kept inside (0, π).
@@ -109,6 +109,7 @@ impl<'p, 'a> Merit<'p, 'a> {
 
     /// Searches along `delta` from `angles`, where the constraints are `h` and the energy has the
     /// gradient `gradient`; `multipliers` are those the step leads to. `None` when nothing descends.
+    #[allow(clippy::too_many_arguments, reason = "a search needs them all")]
     pub(crate) fn search(
         &mut self,
         rule: BoundRule,
@@ -117,10 +118,11 @@ impl<'p, 'a> Merit<'p, 'a> {
         h: &[f64],
         gradient: &[f64],
         multipliers: &[f64],
-    ) -> Option<Accepted> {
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Option<Accepted>, Cancelled> {
         if delta.iter().all(|d| d.abs() <= INVISIBLE_STEP) {
             let (angles, moved) = rule.advance(angles, delta, 1.0);
-            return Some(Accepted { angles, share: 1.0, moved });
+            return Ok(Some(Accepted { angles, share: 1.0, moved }));
         }
         let largest = multipliers.iter().fold(0.0, |max: f64, m| max.max(m.abs()));
         self.penalty = self.penalty.max(MULTIPLIER_MARGIN * largest);
@@ -129,17 +131,18 @@ impl<'p, 'a> Merit<'p, 'a> {
         let noise = ROUNDING * start.abs();
         // NaN compares false and is no descent.
         if !(slope <= noise) {
-            return None;
+            return Ok(None);
         }
         let mut share = rule.longest_step(angles, delta);
         for _ in 0..MAX_BACKTRACKS {
+            checkpoint()?;
             let (next, moved) = rule.advance(angles, delta, share);
             if self.value(&next) <= start + ARMIJO * share * slope + noise {
-                return Some(Accepted { angles: next, share, moved });
+                return Ok(Some(Accepted { angles: next, share, moved }));
             }
             share *= BACKTRACK;
         }
-        None
+        Ok(None)
     }
 }
 

@@ -21,7 +21,9 @@ use crate::{
     SolveError, StepError,
 };
 use abf_constraints::{AngleProblem, TriangleRows, WheelDerivative, WheelForm, max_residual, residual};
-use abf_control::{Fallback, IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
+use abf_control::{
+    Cancelled, Checkpoint, Fallback, IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch,
+};
 
 /// How exactly an inner method solves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -220,6 +222,7 @@ impl<'p, 'a> Run<'p, 'a> {
     /// One outer iteration; `false` when no step could be taken.
     fn iterate(&mut self, step: &mut dyn KktStep, watch: &mut Watch<'_>) -> Result<bool, StepError> {
         let here = self.linearise();
+        watch.checkpoint()?;
         let mut attempt = self.attempt(&here, self.settings.hessian, step, watch)?;
         // Without multipliers the exact Hessian is 2w already.
         let is_other = self.settings.hessian == Hessian::Exact && self.multipliers.iter().any(|&m| m != 0.0);
@@ -305,7 +308,8 @@ impl<'p, 'a> Run<'p, 'a> {
         let mut out = KktVector::default();
         let tolerance = self.settings.inner_tolerance.at(here.constraint_residual);
         let report = step.step(&kkt, tolerance, watch, &mut out)?;
-        let accepted = self.choose_length(here, &out);
+        watch.checkpoint()?;
+        let accepted = self.choose_length(here, &out, &mut || watch.checkpoint())?;
         let record = IterationRecord {
             step: out.delta.iter().fold(0.0, |max: f64, d| max.max(d.abs())),
             inner_tolerance: Some(tolerance),
@@ -320,17 +324,23 @@ impl<'p, 'a> Run<'p, 'a> {
         Ok(Attempt { accepted, record, out })
     }
 
-    fn choose_length(&mut self, here: &Linearisation, out: &KktVector) -> Option<Accepted> {
+    fn choose_length(
+        &mut self,
+        here: &Linearisation,
+        out: &KktVector,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Option<Accepted>, Cancelled> {
         let rule = self.settings.bounds;
         match self.settings.line_search {
             LineSearch::Full => {
                 let share = rule.longest_step(&self.angles, &out.delta);
                 let (angles, moved) = rule.advance(&self.angles, &out.delta, share);
-                angles.iter().all(|x| x.is_finite()).then_some(Accepted { angles, share, moved })
+                Ok(angles.iter().all(|x| x.is_finite()).then_some(Accepted { angles, share, moved }))
             }
             LineSearch::Merit => {
                 let next: Vec<f64> = self.multipliers.iter().zip(&out.multipliers).map(|(m, d)| m + d).collect();
-                self.merit.search(rule, &self.angles, &out.delta, &here.residual, &here.energy_gradient, &next)
+                let Linearisation { residual, energy_gradient, .. } = here;
+                self.merit.search(rule, &self.angles, &out.delta, residual, energy_gradient, &next, checkpoint)
             }
         }
     }

@@ -23,7 +23,7 @@
 use crate::schur::schur_diagonal;
 use crate::{ConstraintProducts, KktSystem, LinearError, PreconditionerKind, ReducedSystem};
 use abf_constraints::{ConstraintRows, TriangleReduction};
-use abf_control::Checkpoint;
+use abf_control::{Cancelled, Checkpoint};
 use abf_linalg::{Cholesky, Identity, Jacobi, Preconditioner, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::Topology;
 use std::sync::Arc;
@@ -102,7 +102,9 @@ impl Preconditioning {
         Ok(match &mut self.recipe {
             Recipe::Identity(identity) => identity,
             Recipe::DiagonalOfM(built) => built.insert(Jacobi::new(&schur_diagonal(&with_2w))?),
-            Recipe::DiagonalOfS(system, built) => built.insert(Jacobi::new(&diagonal(&assemble(system, &with_2w)))?),
+            Recipe::DiagonalOfS(system, built) => {
+                built.insert(Jacobi::new(&diagonal(&assemble(system, &with_2w, checkpoint)?))?)
+            }
             Recipe::Block(block) => {
                 if self.is_outdated {
                     block.factorise(&with_2w, checkpoint)?;
@@ -130,11 +132,15 @@ impl Preconditioning {
     }
 }
 
-fn assemble(system: &ReducedSystem, kkt: &KktSystem<'_>) -> SymmetricMatrix<f64> {
+fn assemble(
+    system: &ReducedSystem,
+    kkt: &KktSystem<'_>,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<SymmetricMatrix<f64>, Cancelled> {
     let mut matrix = SymmetricMatrix::zeros(Arc::clone(system.pattern()));
     let mut rhs = vec![0.0; matrix.size()];
-    system.assemble(kkt, &mut matrix, &mut rhs);
-    matrix
+    system.assemble_asking(kkt, &mut matrix, &mut rhs, checkpoint)?;
+    Ok(matrix)
 }
 
 fn diagonal(matrix: &SymmetricMatrix<f64>) -> Vec<f64> {
@@ -176,7 +182,7 @@ impl BlockPreconditioner {
     }
 
     fn factorise(&mut self, kkt: &KktSystem<'_>, checkpoint: &mut Checkpoint<'_>) -> Result<(), LinearError> {
-        let s = assemble(&self.system, kkt);
+        let s = assemble(&self.system, kkt, checkpoint)?;
         let mut block = |part| {
             let block = s.every_second(self.symbolic.pattern(), part);
             checkpoint()?;
@@ -302,7 +308,7 @@ mod tests {
         let planted = Planted::new(300);
         let kkt = planted.kkt();
         let system = reduced_system(&kkt);
-        let s = assemble(&system, &with_2w(&kkt));
+        let s = assemble(&system, &with_2w(&kkt), &mut || Ok(())).expect("nobody ends it");
         let mut preconditioning =
             Preconditioning::new(PreconditionerKind::Block, kkt.topology, kkt.rows, Some(&system)).expect("fits");
         let c = preconditioning.prepare(&kkt, &mut || Ok(())).expect("positive definite");

@@ -2,13 +2,10 @@
 
 use crate::{KktSystem, KktVector, LinearError};
 use abf_constraints::{ConstraintRows, TriangleReduction, TriangleRows};
-use abf_control::Checkpoint;
+use abf_control::{Cancelled, Checkpoint, at_block};
 use abf_linalg::{Graph, Permutation, SymmetricMatrix, SymmetricPattern};
 use abf_mesh::{CornerId, FaceId, Topology};
 use std::sync::Arc;
-
-/// After so many faces it is asked whether to go on.
-const FACES: usize = 1 << 16;
 
 /// Marks an edge of a triangle with an end on the boundary: it has no block in `S`.
 const NO_BLOCK: u32 = u32::MAX;
@@ -52,9 +49,7 @@ impl ReducedSystem {
         let interior = |c: CornerId| rows.interior_index(topology.vertex(c));
         let mut edge_slot = Vec::with_capacity(topology.face_count());
         for f in topology.faces() {
-            if f.index().is_multiple_of(FACES) {
-                checkpoint()?;
-            }
+            at_block(f.index(), checkpoint)?;
             edge_slot.push([0, 1, 2].map(|k| match (interior(f.corner(k)), interior(f.corner((k + 1) % 3))) {
                 (Some(a), Some(b)) => {
                     let (a, b) = (order.new_index(a), order.new_index(b));
@@ -100,6 +95,24 @@ impl ReducedSystem {
     /// # Panics
     /// If `matrix` has another pattern or `rhs` another length.
     pub fn assemble(&self, kkt: &KktSystem<'_>, matrix: &mut SymmetricMatrix<f64>, rhs: &mut [f64]) {
+        let assembled = self.assemble_asking(kkt, matrix, rhs, &mut || Ok(()));
+        assembled.expect("nobody ends it");
+    }
+
+    /// [`ReducedSystem::assemble`] that asks between its blocks whether to go on.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    ///
+    /// # Panics
+    /// As `assemble`.
+    pub fn assemble_asking(
+        &self,
+        kkt: &KktSystem<'_>,
+        matrix: &mut SymmetricMatrix<f64>,
+        rhs: &mut [f64],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(), Cancelled> {
         assert!(Arc::ptr_eq(matrix.pattern(), &self.pattern), "a matrix of this system");
         matrix.values.fill(0.0);
         for i in 0..kkt.rows.interior_count() {
@@ -108,11 +121,13 @@ impl ReducedSystem {
             rhs[u + 1] = kkt.residual[kkt.rows.wheel(i)];
         }
         for face in kkt.topology.faces() {
+            at_block(face.index(), checkpoint)?;
             let local = LocalSystem::new(kkt, face);
             let block = local.rows.schur_block(&local.reduction);
             self.scatter(&local.rows, face, &block, &mut matrix.values);
             self.scatter_rhs(&local, kkt, rhs);
         }
+        Ok(())
     }
 
     /// Everything else of the step from the solution of the reduced system: `δ` and all multipliers.

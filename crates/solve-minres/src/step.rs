@@ -73,27 +73,29 @@ impl KktStep for MinresStep {
     ) -> Result<StepReport, StepError> {
         let preconditioner = self.preconditioning.prepare(kkt, &mut || watch.checkpoint())?;
         let params = self.settings.krylov(tolerance);
-        let mut go_on = |iteration, estimate| watch.inner(iteration, estimate).unwrap_or(false);
         let stats = match &mut self.system {
             System::Whole(products) => {
                 products.update(kkt);
                 let m = SchurComplement::new(products, kkt);
                 out.multipliers = vec![0.0; kkt.rows.len()];
                 let b = m.right_hand_side();
+                let mut go_on = |iteration, estimate| watch.inner(iteration, estimate).unwrap_or(false);
                 let stats = minres(&m, preconditioner, &b, &mut out.multipliers, &params, &mut go_on);
+                watch.aborted()?;
                 m.back_substitute(&out.multipliers, &mut out.delta);
                 stats
             }
             System::Reduced(system) => {
                 let mut s = SymmetricMatrix::zeros(Arc::clone(system.pattern()));
                 let (mut r, mut solution) = (vec![0.0; s.size()], vec![0.0; s.size()]);
-                system.assemble(kkt, &mut s, &mut r);
+                system.assemble_asking(kkt, &mut s, &mut r, &mut || watch.checkpoint())?;
+                let mut go_on = |iteration, estimate| watch.inner(iteration, estimate).unwrap_or(false);
                 let stats = minres(&s, preconditioner, &r, &mut solution, &params, &mut go_on);
+                watch.aborted()?;
                 system.back_substitute(kkt, &solution, out);
                 stats
             }
         };
-        watch.aborted()?;
         self.preconditioning.used(stats.iterations);
         StepReport::from_krylov(stats)
     }
