@@ -131,8 +131,9 @@ struct CancelAt {
 }
 
 impl Observer for CancelAt {
-    fn observe(&mut self, _: Event<'_>) -> Verdict {
-        self.events += 1;
+    fn observe(&mut self, event: Event<'_>) -> Verdict {
+        // What asks inside a step can be aborted there, and is not stopped there.
+        self.events += usize::from(!matches!(event, Event::Working));
         if self.events >= self.last { Verdict::Stop } else { Verdict::Continue }
     }
 }

@@ -86,8 +86,8 @@ pub trait Observer {
 /// What long work calls between its blocks; it ends with the error at once.
 pub type Checkpoint<'a> = dyn FnMut() -> Result<(), Cancelled> + 'a;
 
-/// So many steps of a long loop are a block: a few milliseconds where a step takes a tenth of a microsecond.
-const BLOCK: usize = 1 << 15;
+/// So many steps of a long loop are a block: less than 50 ms where a step takes 10 µs.
+const BLOCK: usize = 1 << 12;
 
 /// Calls the checkpoint of a long loop before every block of its steps, which are counted from 0.
 ///

@@ -66,6 +66,10 @@ pub fn fill(
     holes: &[BoundaryLoop],
     filling: HoleFilling,
 ) -> Result<Filled, TopologyError> {
+    if holes.is_empty() {
+        let first_virtual = mesh.face_count();
+        return Ok(Filled { mesh: mesh.clone(), topology: topology.clone(), first_virtual });
+    }
     let mut positions = mesh.positions().to_vec();
     let mut faces: Vec<[usize; 3]> = mesh.faces().iter().map(|face| face.map(VertexId::index)).collect();
     for hole in holes {

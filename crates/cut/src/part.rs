@@ -2,6 +2,7 @@
 
 use crate::Seams;
 use crate::seams::interior_edges;
+use abf_control::{Cancelled, Checkpoint, at_block};
 use abf_mesh::{CornerId, Point3, Topology, TriMesh, Vector3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -16,13 +17,28 @@ const CREASE: f64 = 4.0;
 /// There are no seams when there is only one face.
 #[must_use]
 pub fn two_parts(mesh: &TriMesh, topology: &Topology, is_forbidden: impl Fn(CornerId) -> bool) -> Seams {
+    let seams = two_parts_asking(mesh, topology, is_forbidden, &mut || Ok(()));
+    seams.unwrap_or_else(|_: Cancelled| Seams::none(topology))
+}
+
+/// [`two_parts`] that asks between its blocks whether to go on.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn two_parts_asking(
+    mesh: &TriMesh,
+    topology: &Topology,
+    is_forbidden: impl Fn(CornerId) -> bool,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Seams, Cancelled> {
     let ways = Ways::new(mesh, topology, is_forbidden);
-    let one = ways.farthest(&ways.from(&[0]).0, None);
-    let (distance, _) = ways.from(&[one]);
+    checkpoint()?;
+    let one = ways.farthest(&ways.from(&[0], checkpoint)?.0, None);
+    let (distance, _) = ways.from(&[one], checkpoint)?;
     let other = ways.farthest(&distance, Some(one));
-    let (_, is_others) = ways.from(&[one, other]);
+    let (_, is_others) = ways.from(&[one, other], checkpoint)?;
     let side = |c: CornerId| is_others[c.face().index()];
-    Seams::where_edges(topology, |c, o| side(c) != side(o))
+    Ok(Seams::where_edges(topology, |c, o| side(c) != side(o)))
 }
 
 /// The faces and the lengths of the ways between neighbours.
@@ -49,7 +65,7 @@ impl<'t> Ways<'t> {
     }
 
     /// The distance of every face from the nearest source, and whether that is the last of them.
-    fn from(&self, sources: &[usize]) -> (Vec<f64>, Vec<bool>) {
+    fn from(&self, sources: &[usize], checkpoint: &mut Checkpoint<'_>) -> Result<(Vec<f64>, Vec<bool>), Cancelled> {
         let n = self.topology.face_count();
         let mut distance = vec![f64::INFINITY; n];
         let mut is_last = vec![false; n];
@@ -59,7 +75,10 @@ impl<'t> Ways<'t> {
             is_last[f] = i > 0;
             heap.push(Reverse((0_u64, f)));
         }
+        let mut steps = 0;
         while let Some(Reverse((key, f))) = heap.pop() {
+            at_block(steps, checkpoint)?;
+            steps += 1;
             // The order of the bits of doubles that are not negative is that of the doubles.
             let here = f64::from_bits(key);
             if here > distance[f] {
@@ -75,7 +94,7 @@ impl<'t> Ways<'t> {
                 }
             }
         }
-        (distance, is_last)
+        Ok((distance, is_last))
     }
 
     /// The farthest face that is reached, other than `but`; of equals the last.

@@ -1,5 +1,6 @@
 //! A coarser mesh of some of the same vertices, to look for seams on.
 
+use abf_control::{Cancelled, Checkpoint, at_block};
 use abf_mesh::{Point3, Topology, TriMesh, Vector3, VertexId};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -28,9 +29,29 @@ pub struct Simplified {
 /// `None` where nothing can be collapsed.
 #[must_use]
 pub fn simplify(mesh: &TriMesh, topology: &Topology, faces: usize) -> Option<Simplified> {
+    simplify_asking(mesh, topology, faces, &mut || Ok(())).ok().flatten()
+}
+
+/// [`simplify`] that asks between its blocks whether to go on.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn simplify_asking(
+    mesh: &TriMesh,
+    topology: &Topology,
+    faces: usize,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Option<Simplified>, Cancelled> {
     let mut work = Collapse::new(mesh, topology);
-    let mut heap: BinaryHeap<_> = (0..mesh.vertex_count()).filter_map(|v| work.candidate(v)).map(Reverse).collect();
+    let mut heap = BinaryHeap::with_capacity(mesh.vertex_count());
+    for v in 0..mesh.vertex_count() {
+        at_block(v, checkpoint)?;
+        heap.extend(work.candidate(v).map(Reverse));
+    }
+    let mut steps = 0;
     while work.face_count > faces {
+        steps += 1;
+        at_block(steps, checkpoint)?;
         let Some(Reverse((_, v, version, onto))) = heap.pop() else { break };
         if work.version[v] != version || !work.is_allowed(v, onto) {
             continue;
@@ -40,7 +61,8 @@ pub fn simplify(mesh: &TriMesh, topology: &Topology, faces: usize) -> Option<Sim
             heap.extend(work.candidate(w).map(Reverse));
         }
     }
-    work.finish(mesh).filter(|simplified| simplified.mesh.face_count() < mesh.face_count())
+    checkpoint()?;
+    Ok(work.finish(mesh).filter(|simplified| simplified.mesh.face_count() < mesh.face_count()))
 }
 
 /// The cost of a collapse as ordered bits, the vertex that goes, its version, and where it goes.

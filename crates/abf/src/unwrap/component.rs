@@ -5,8 +5,8 @@ use super::relay::{Ear, Relay};
 use super::{SeamRule, Unwrap};
 use crate::{FlattenError, Pipeline, ZeroArea};
 use abf_constraints::ProblemError;
-use abf_control::{Cancelled, Termination, TimeBudget};
-use abf_cut::{Chart, CostSettings, EdgeCosts, Seams, hard_surface, split, two_parts};
+use abf_control::{Cancelled, Event, Termination, TimeBudget, ask};
+use abf_cut::{Chart, CostSettings, EdgeCosts, Seams, hard_surface_asking, split, two_parts_asking};
 use abf_embed::EmbedError;
 use abf_mesh::{CornerId, FaceId, Topology, TriMesh};
 use abf_metrics::MetricsError;
@@ -44,7 +44,7 @@ impl<'o> Component<'_, 'o> {
         let part = self.part;
         if self.stays_whole && part.topology.require_disk().is_ok() {
             let flat = self.pipeline().run(&part.mesh, &mut self.ear())?;
-            return Ok(vec![finish(part, part.mesh.face_count(), flat)?]);
+            return Ok(vec![finish(part, part.mesh.face_count(), flat, &mut || self.go_on())?]);
         }
         self.settings.pipeline.check_memory(&part.mesh)?;
         let mut charts = self.all_of(self.first_pieces()?)?;
@@ -60,10 +60,13 @@ impl<'o> Component<'_, 'o> {
         let Chart { mesh, topology, .. } = self.part;
         let hard = match self.settings.seams {
             SeamRule::Auto => {
-                hard_surface(mesh, topology, self.settings.crease_angle, |c| self.may_not_cut(topology, c))
+                let may_not_cut = |c| self.may_not_cut(topology, c);
+                let crease_angle = self.settings.crease_angle;
+                hard_surface_asking(mesh, topology, crease_angle, may_not_cut, &mut || self.go_on())?
             }
             SeamRule::Keep => None,
         };
+        self.go_on()?;
         let seams = hard.map_or_else(|| Seams::none(topology), |hard| hard.seams);
         Ok(split(mesh, topology, &seams)?)
     }
@@ -111,7 +114,9 @@ impl<'o> Component<'_, 'o> {
     }
 
     fn in_two(&self, piece: &Chart) -> Result<Vec<Chart>, FlattenError> {
-        let seams = two_parts(&piece.mesh, &piece.topology, |c| self.is_forbidden_in(piece, c));
+        let is_forbidden = |c| self.is_forbidden_in(piece, c);
+        let seams = two_parts_asking(&piece.mesh, &piece.topology, is_forbidden, &mut || self.go_on())?;
+        self.go_on()?;
         parts(piece, &seams)
     }
 
@@ -127,6 +132,19 @@ impl<'o> Component<'_, 'o> {
             return Some(Termination::Cancelled);
         }
         self.budget.is_spent().then_some(Termination::TimeLimit)
+    }
+
+    /// Asks whether to go on, between two parts of the work or two blocks of one.
+    pub(super) fn go_on(&self) -> Result<(), Cancelled> {
+        ask(&mut self.ear(), Event::Working)
+    }
+
+    /// What was tried; `None` where it came to nothing, for any reason but an abort.
+    pub(super) fn tried<T>(&self, result: Result<T, FlattenError>) -> Result<Option<T>, FlattenError> {
+        match result {
+            Err(FlattenError::Cancelled(cancelled)) if self.relay.is_aborted() => Err(cancelled.into()),
+            result => Ok(result.ok()),
+        }
     }
 
     /// Someone to tell of the work on a piece.

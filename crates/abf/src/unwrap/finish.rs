@@ -1,10 +1,10 @@
 //! From a flattened chart with virtual faces to one without.
 
 use crate::{FlattenError, Flattening, LayoutReport, RungReport, SolverKind};
-use abf_control::Termination;
+use abf_control::{Checkpoint, Termination};
 use abf_cut::Chart;
 use abf_mesh::{FaceId, TriMesh, UvId, UvMap, VertexId};
-use abf_metrics::{Certificate, Metrics, Precision, certify, measure_certified, per_face};
+use abf_metrics::{Certificate, Metrics, Precision, certify_asking, measure_certified, per_face};
 use abf_solve_core::AngleSolution;
 
 /// A chart as it comes out, by the faces of its component.
@@ -35,10 +35,11 @@ impl Finished {
         uv: &UvMap,
         (solver, termination): (SolverKind, Termination),
         precision: Precision,
+        checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, FlattenError> {
         let faces: Vec<FaceId> = (0..real).map(FaceId::new).collect();
-        let certificate = certify(&chart.mesh, uv, precision)?;
-        let (uv, metrics) = excerpt(&chart.mesh, uv, &certificate, &faces, true)?;
+        let certificate = certify_asking(&chart.mesh, uv, precision, checkpoint)?;
+        let (uv, metrics) = excerpt(&chart.mesh, uv, &certificate, &faces, true, checkpoint)?;
         let layout = LayoutReport {
             kind: None,
             linear_residual: None,
@@ -65,14 +66,21 @@ impl Finished {
 }
 
 /// Of a chart that is a whole piece: drops the faces from `real` on, gives the rest the area of its surface, and judges it.
-pub(super) fn finish(chart: &Chart, real: usize, flat: Flattening) -> Result<Finished, FlattenError> {
+pub(super) fn finish(
+    chart: &Chart,
+    real: usize,
+    flat: Flattening,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Finished, FlattenError> {
+    checkpoint()?;
     let layout_error = layout_error(chart, real, &flat)?;
+    checkpoint()?;
     let faces: Vec<FaceId> = (0..real).map(FaceId::new).collect();
     let (uv, metrics) = if real == chart.mesh.face_count() {
         let metrics = measure_certified(&chart.mesh, &flat.uv, flat.certificate)?;
         (flat.uv, metrics)
     } else {
-        excerpt(&chart.mesh, &flat.uv, &flat.certificate, &faces, flat.layout.scaled)?
+        excerpt(&chart.mesh, &flat.uv, &flat.certificate, &faces, flat.layout.scaled, checkpoint)?
     };
     Ok(Finished {
         faces,
@@ -105,6 +113,7 @@ pub(super) fn excerpt(
     certificate: &Certificate,
     faces: &[FaceId],
     is_scaled: bool,
+    checkpoint: &mut Checkpoint<'_>,
 ) -> Result<(UvMap, Metrics), FlattenError> {
     let of_face = |f: &FaceId| mesh.faces()[f.index()].map(VertexId::index);
     let part = TriMesh::new(mesh.positions().to_vec(), &faces.iter().map(of_face).collect::<Vec<_>>())?;
@@ -114,7 +123,8 @@ pub(super) fn excerpt(
     let precision = certificate.precision;
     let uv = uv.mapped(|p| p.map(|x| precision.round(x * factor)));
     let constraint_residual = certificate.constraint_residual;
-    let certificate = Certificate { constraint_residual, ..certify(&part, &uv, precision)? };
+    let certificate = Certificate { constraint_residual, ..certify_asking(&part, &uv, precision, checkpoint)? };
+    checkpoint()?;
     let metrics = measure_certified(&part, &uv, certificate)?;
     Ok((uv, metrics))
 }

@@ -2,6 +2,7 @@
 
 use super::finish::{Finished, excerpt};
 use crate::FlattenError;
+use abf_control::Checkpoint;
 use abf_cut::Chart;
 use abf_mesh::{FaceId, TriMesh, UvId, UvMap, Vector2, VertexId};
 use std::cmp::Reverse;
@@ -11,7 +12,11 @@ use std::collections::{BinaryHeap, HashMap};
 ///
 /// Of two faces that lie over each other each gets the faces that are nearer to it in the plane, walking from face to
 /// face. Both parts are connected, and disks if the chart is one. UVs stay but for the scale.
-pub(super) fn take_apart(piece: &Chart, whole: Finished) -> Result<Vec<Finished>, FlattenError> {
+pub(super) fn take_apart(
+    piece: &Chart,
+    whole: Finished,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Vec<Finished>, FlattenError> {
     let all: Vec<FaceId> = (0..whole.uv.corners().len() / 3).map(FaceId::new).collect();
     let mut waiting = vec![(all, whole)];
     let mut done: Vec<(Vec<FaceId>, Finished)> = Vec::new();
@@ -25,6 +30,7 @@ pub(super) fn take_apart(piece: &Chart, whole: Finished) -> Result<Vec<Finished>
                 continue;
             }
         };
+        checkpoint()?;
         let is_others = nearer_to_the_other(&chart.uv, one, other);
         for side in [true, false] {
             let places: Vec<usize> = (0..in_mesh.len()).filter(|&f| is_others[f] == side).collect();
@@ -32,19 +38,26 @@ pub(super) fn take_apart(piece: &Chart, whole: Finished) -> Result<Vec<Finished>
                 continue;
             }
             let part: Vec<FaceId> = places.iter().map(|&f| in_mesh[f]).collect();
-            waiting.push((part.clone(), part_of(&piece.mesh, &chart, &in_mesh, &places)?));
+            waiting.push((part.clone(), part_of(&piece.mesh, &chart, &in_mesh, &places, checkpoint)?));
         }
     }
     done.sort_by_key(|(_, chart)| chart.faces[0]);
     Ok(done.into_iter().map(|(_, chart)| chart).collect())
 }
 
-fn part_of(mesh: &TriMesh, chart: &Finished, in_mesh: &[FaceId], places: &[usize]) -> Result<Finished, FlattenError> {
+fn part_of(
+    mesh: &TriMesh,
+    chart: &Finished,
+    in_mesh: &[FaceId],
+    places: &[usize],
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Finished, FlattenError> {
     // The mesh of the chart: its faces in its own order.
     let faces: Vec<[usize; 3]> = in_mesh.iter().map(|f| mesh.faces()[f.index()].map(VertexId::index)).collect();
     let of_chart = TriMesh::new(mesh.positions().to_vec(), &faces)?;
     let kept: Vec<FaceId> = places.iter().map(|&f| FaceId::new(f)).collect();
-    let (uv, metrics) = excerpt(&of_chart, &chart.uv, &chart.metrics.certificate, &kept, chart.layout.scaled)?;
+    let (uv, metrics) =
+        excerpt(&of_chart, &chart.uv, &chart.metrics.certificate, &kept, chart.layout.scaled, checkpoint)?;
     let faces = places.iter().map(|&f| chart.faces[f]).collect();
     Ok(Finished { faces, uv, metrics, rungs: chart.rungs.clone(), ..chart.clone() })
 }

@@ -62,7 +62,7 @@ impl Component<'_, '_> {
         let flat =
             if is_disk { pipeline.run(&piece.mesh, &mut ear) } else { pipeline.run_unclosed(&piece.mesh, &mut ear) };
         let whole = match flat {
-            Ok(flat) => self.of_piece(piece, finish(piece, piece.mesh.face_count(), flat)?),
+            Ok(flat) => self.of_piece(piece, finish(piece, piece.mesh.face_count(), flat, &mut || self.go_on())?),
             Err(error) if piece.mesh.face_count() == 1 => return Err(error),
             Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
             // Another rung may do it, or parts of it.
@@ -74,9 +74,11 @@ impl Component<'_, '_> {
     /// The same with the holes joined by seams: enough for open tubes.
     fn with_holes_cut(&self, piece: &Chart) -> Result<Option<Attempt>, FlattenError> {
         let surface = self.surface(piece, None)?;
+        self.go_on()?;
         let chart = surface.chart()?;
-        let Ok(flat) = self.pipeline_of_first_rung().run(&chart.mesh, &mut self.ear()) else { return Ok(None) };
-        let whole = Finished { rounds: 1, ..self.of_piece(piece, finish(&chart, surface.real, flat)?) };
+        let Some(flat) = self.first_rung(&chart)? else { return Ok(None) };
+        let whole = self.of_piece(piece, finish(&chart, surface.real, flat, &mut || self.go_on())?);
+        let whole = Finished { rounds: 1, ..whole };
         self.judged(piece, whole)
     }
 
@@ -107,7 +109,7 @@ impl Component<'_, '_> {
 
     /// A valid map with little stretch that lies over itself, in parts that do not.
     fn taken_apart(&self, piece: &Chart, whole: Finished) -> Result<Attempt, FlattenError> {
-        let parts = take_apart(piece, whole)?;
+        let parts = take_apart(piece, whole, &mut || self.go_on())?;
         let (done, more): (Vec<Finished>, Vec<Finished>) = parts.into_iter().partition(|part| self.fits(part));
         let more: Vec<_> = more.into_iter().map(|part| part.faces).collect();
         let more = if more.is_empty() { Vec::new() } else { parts_of_faces(piece, &more)? };
@@ -126,10 +128,13 @@ impl Component<'_, '_> {
 
     /// Flattens quickly, joins the places of largest stretch to the seam, and again, until a map is as it should be.
     fn cut_until_it_fits(&self, piece: &Chart, filling: Option<HoleFilling>) -> Result<Attempt, FlattenError> {
+        self.go_on()?;
         let mut surface = self.surface(piece, filling)?;
+        self.go_on()?;
         let costs = |mesh: &TriMesh, topology: &Topology, real: usize| self.costs(piece, mesh, topology, real);
-        let scouted = self.scout(piece, filling);
+        let scouted = self.scout(piece, filling)?;
         for peaks in &scouted {
+            self.go_on()?;
             extend(&surface.topology, &surface.costs, &mut surface.seams, peaks);
             if let Some(filling) = filling {
                 surface.release_caps(piece, filling, &costs)?;
@@ -146,10 +151,11 @@ impl Component<'_, '_> {
             ear.begin_round(round);
             ask(&mut ear, Event::Working)?;
             let chart = surface.chart()?;
+            self.go_on()?;
             let real = surface.real;
             let vertices = surface.mesh.vertex_count();
             // Where the seams are nearly known, the first rung is tried at once: it may be the last flattening.
-            let first_rung = if scouted.is_empty() { None } else { self.first_rung(&chart) };
+            let first_rung = if scouted.is_empty() { None } else { self.first_rung(&chart)? };
             let known = first_rung.map(|flat| (flat.uv.clone(), flat));
             let (quick, first_rung) = match known {
                 Some((uv, flat)) => (Ok(uv), Some(flat)),
@@ -161,6 +167,7 @@ impl Component<'_, '_> {
                 Err(FlattenError::Cancelled(cancelled)) => return Err((*cancelled).into()),
                 Err(_) => None,
             };
+            self.go_on()?;
             let is_long = self.is_long(&surface);
             if is_long || stretch.as_ref().is_none_or(|stretch| stretch.l2 <= self.settings.max_stretch) {
                 let is_enough = |flat: &Flattening| flat.is_certified();
@@ -177,12 +184,14 @@ impl Component<'_, '_> {
                     return Ok(attempt);
                 }
                 stretch = Some(Stretch::measure(&chart, &uv, real, vertices)?);
+                self.go_on()?;
             }
             let stretch = stretch.expect("measured above where it was not before");
             last = quick.ok().map(|uv| (chart, uv));
             if progress.is_stalled(stretch.l2) || !self.cut_further(&mut surface, &stretch) {
                 return Ok(Attempt::Missed);
             }
+            self.go_on()?;
             if let Some(filling) = filling {
                 surface
                     .release_caps(piece, filling, &|mesh, topology, real| self.costs(piece, mesh, topology, real))?;
@@ -192,14 +201,14 @@ impl Component<'_, '_> {
     }
 
     /// A disk by the first rung; `None` where that finds nothing.
-    fn first_rung(&self, chart: &Chart) -> Option<Flattening> {
-        self.pipeline_of_first_rung().run(&chart.mesh, &mut self.ear()).ok()
+    fn first_rung(&self, chart: &Chart) -> Result<Option<Flattening>, FlattenError> {
+        self.tried(self.pipeline_of_first_rung().run(&chart.mesh, &mut self.ear()))
     }
 
     /// A chart whose seams are as long as they may be is kept whatever its stretch.
     fn taken_apart_if_over(&self, piece: &Chart, whole: Finished) -> Result<Attempt, FlattenError> {
         if self.settings.part_overlaps && !whole.metrics.injective() {
-            let parts = take_apart(piece, whole)?;
+            let parts = take_apart(piece, whole, &mut || self.go_on())?;
             return Ok(Attempt::Done(parts, Vec::new()));
         }
         Ok(Attempt::Done(vec![whole], Vec::new()))
@@ -215,7 +224,7 @@ impl Component<'_, '_> {
     ) -> Result<Finished, FlattenError> {
         let virtual_faces = surface.mesh.face_count() - surface.real;
         let holes_filled = surface.holes_filled();
-        let whole = self.of_piece(piece, finish(chart, surface.real, flat)?);
+        let whole = self.of_piece(piece, finish(chart, surface.real, flat, &mut || self.go_on())?);
         Ok(Finished { rounds, holes_filled, virtual_faces, ..whole })
     }
 
@@ -229,7 +238,9 @@ impl Component<'_, '_> {
         end: Termination,
     ) -> Option<Finished> {
         let how = (SolverKind::LinAbf, end);
-        let mut last = Finished::of_map(chart, surface.real, uv, how, self.settings.pipeline.precision).ok()?;
+        let mut last =
+            Finished::of_map(chart, surface.real, uv, how, self.settings.pipeline.precision, &mut || self.go_on())
+                .ok()?;
         last.faces.iter_mut().for_each(|f| *f = piece.faces[f.index()]);
         last.metrics.valid().then_some(last)
     }

@@ -6,7 +6,7 @@ use super::stretch::Stretch;
 use super::surface::Surface;
 use super::{SeamRule, Unwrap};
 use crate::FlattenError;
-use abf_cut::{Chart, HoleFilling, extend, simplify};
+use abf_cut::{Chart, HoleFilling, extend, simplify_asking};
 use abf_mesh::{FaceId, Topology, TriMesh, VertexId};
 
 /// Pieces of fewer faces are not worth it: their seams come out with a larger F.
@@ -21,12 +21,18 @@ const PART: usize = 12;
 impl Component<'_, '_> {
     /// The places that the seam of a piece is to reach, round by round, as found on a coarser mesh: vertices of the piece.
     /// None where the piece is small, or the coarse mesh is within the aim as it is.
-    pub(super) fn scout(&self, piece: &Chart, filling: Option<HoleFilling>) -> Vec<Vec<VertexId>> {
+    pub(super) fn scout(
+        &self,
+        piece: &Chart,
+        filling: Option<HoleFilling>,
+    ) -> Result<Vec<Vec<VertexId>>, FlattenError> {
         let faces = piece.mesh.face_count();
         if faces < LARGE || self.settings.seams == SeamRule::Keep || self.settings.max_seam.is_some() {
-            return Vec::new();
+            return Ok(Vec::new());
         }
-        let Some(coarse) = simplify(&piece.mesh, &piece.topology, LEAST.max(faces / PART)) else { return Vec::new() };
+        let faces = LEAST.max(faces / PART);
+        let coarse = simplify_asking(&piece.mesh, &piece.topology, faces, &mut || self.go_on())?;
+        let Some(coarse) = coarse else { return Ok(Vec::new()) };
         let names = coarse.vertices;
         let coarse = Chart {
             faces: (0..coarse.mesh.face_count()).map(FaceId::new).collect(),
@@ -36,9 +42,9 @@ impl Component<'_, '_> {
         };
         let mut rounds = Vec::new();
         // What the coarse mesh cannot tell, the fine one will.
-        let _ = self.scout_on(&coarse, filling, &mut rounds);
+        let _ = self.tried(self.scout_on(&coarse, filling, &mut rounds))?;
         let in_piece = |peaks: Vec<VertexId>| peaks.into_iter().filter_map(|v| names.get(v.index()).copied()).collect();
-        rounds.into_iter().map(in_piece).collect()
+        Ok(rounds.into_iter().map(in_piece).collect())
     }
 
     fn scout_on(

@@ -32,7 +32,8 @@ impl Component<'_, '_> {
         let surface = Surface::new(piece, None, &|mesh, topology, real| self.costs(piece, mesh, topology, real))?;
         let chart = surface.chart()?;
         let uv = UvMap::per_vertex(&chart.mesh, &tutte(&chart.mesh, &chart.topology)?.uv);
-        let mut map = Finished::of_map(&chart, surface.real, &uv, how, self.settings.pipeline.precision)?;
+        let mut map =
+            Finished::of_map(&chart, surface.real, &uv, how, self.settings.pipeline.precision, &mut || self.go_on())?;
         map.faces.iter_mut().for_each(|f| *f = piece.faces[f.index()]);
         Ok(map)
     }
@@ -51,7 +52,10 @@ impl Component<'_, '_> {
             }
             let corners = part.mesh.faces().iter().flatten().map(|v| UvId::new(v.index())).collect();
             let uv = UvMap::new(points, corners);
-            let map = Finished::of_map(&part, part.faces.len(), &uv, how, self.settings.pipeline.precision);
+            let map =
+                Finished::of_map(&part, part.faces.len(), &uv, how, self.settings.pipeline.precision, &mut || {
+                    self.go_on()
+                });
             // A part without area has no map.
             charts.extend(map.ok().map(|map| Finished { faces: part.faces.clone(), ..map }));
         }

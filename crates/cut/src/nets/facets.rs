@@ -1,6 +1,7 @@
 //! Planar parts of a surface.
 
 use crate::seams::edge_length;
+use abf_control::{Cancelled, Checkpoint, at_block};
 use abf_mesh::{CornerId, FaceId, Point2, Topology, TriMesh, Vector3};
 use std::cmp::Ordering;
 
@@ -22,13 +23,20 @@ pub(super) struct Facets {
 
 impl Facets {
     /// Grows facets from the largest faces; of equals the one that comes first in space.
-    pub(super) fn grow(mesh: &TriMesh, topology: &Topology, diagonal: f64) -> Self {
+    pub(super) fn grow(
+        mesh: &TriMesh,
+        topology: &Topology,
+        diagonal: f64,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, Cancelled> {
         const NONE: u32 = u32::MAX;
         let normals = normals(mesh);
         let mut of_face = vec![NONE; mesh.face_count()];
         let mut layout = vec![Point2::origin(); topology.corner_count()];
         let mut sizes = Vec::new();
-        for seed in by_area(mesh, &normals, diagonal) {
+        checkpoint()?;
+        for (i, seed) in by_area(mesh, &normals, diagonal).into_iter().enumerate() {
+            at_block(i, checkpoint)?;
             if of_face[seed.index()] != NONE {
                 continue;
             }
@@ -39,6 +47,7 @@ impl Facets {
             let mut next = 0;
             while let Some(&face) = queue.get(next) {
                 next += 1;
+                at_block(next, checkpoint)?;
                 for c in face.corners() {
                     layout[c.index()] = plane.place(mesh, topology, c);
                     let Some(other) = topology.opposite(c).map(CornerId::face) else { continue };
@@ -50,7 +59,7 @@ impl Facets {
             }
             sizes.push(queue.len());
         }
-        Self { of_face, sizes, layout }
+        Ok(Self { of_face, sizes, layout })
     }
 }
 

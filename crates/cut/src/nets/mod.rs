@@ -13,6 +13,7 @@ mod net;
 use crate::Seams;
 use crate::paths::Joined;
 use crate::seams::interior_edges;
+use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::{CornerId, FaceId, Point2, Topology, TriMesh};
 use facets::{Facets, Fold, compare, folds, normals, quantised};
 use net::Nets;
@@ -23,6 +24,9 @@ const MOST_CUT: f64 = 0.2;
 
 /// A surface is a hard one when at least this part of its area is in planar facets of developable regions.
 const HARD: f64 = 0.5;
+
+/// After so many folds it is asked whether to go on: one may have many sides to try.
+const FOLDS: usize = 64;
 
 /// How a hard surface comes apart.
 #[derive(Clone, Debug)]
@@ -46,12 +50,27 @@ pub fn hard_surface(
     crease_angle: f64,
     is_forbidden: impl Fn(CornerId) -> bool,
 ) -> Option<HardSurface> {
+    hard_surface_asking(mesh, topology, crease_angle, is_forbidden, &mut || Ok(())).ok().flatten()
+}
+
+/// [`hard_surface`] that asks between its blocks whether to go on.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn hard_surface_asking(
+    mesh: &TriMesh,
+    topology: &Topology,
+    crease_angle: f64,
+    is_forbidden: impl Fn(CornerId) -> bool,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Option<HardSurface>, Cancelled> {
     let diagonal = crate::seams::diagonal(mesh);
     if !(diagonal > 0.0) {
-        return None;
+        return Ok(None);
     }
     let normals = normals(mesh);
-    let facets = Facets::grow(mesh, topology, diagonal);
+    checkpoint()?;
+    let facets = Facets::grow(mesh, topology, diagonal, checkpoint)?;
     let planar = |f: FaceId| facets.sizes[facets.of_face[f.index()] as usize] > 1;
     let area = |f: FaceId| {
         let [a, b, c] = mesh.triangle(f);
@@ -60,30 +79,28 @@ pub fn hard_surface(
     let total: f64 = topology.faces().map(area).sum();
     let share_of = |keep: &dyn Fn(FaceId) -> bool| topology.faces().filter(|&f| keep(f)).map(area).sum::<f64>() / total;
     if !(share_of(&planar) >= HARD) {
-        return None;
+        return Ok(None);
     }
+    checkpoint()?;
     let mut folds = folds(mesh, topology, &facets, &normals);
     for fold in folds.iter_mut().filter(|fold| is_forbidden(fold.corner)) {
         (fold.is_forbidden, fold.turn) = (true, 0.0);
     }
     let folds = in_order(mesh, topology, &facets, folds, crease_angle, diagonal);
+    checkpoint()?;
     let mut nets = Nets::new(topology, &facets, diagonal);
+    checkpoint()?;
     let smooth = folds.partition_point(|fold| fold.turn <= crease_angle);
-    folds[..smooth].iter().for_each(|fold| {
-        nets.join(fold);
-    });
+    join(&mut nets, &folds[..smooth], |_| true, checkpoint)?;
     let region_of = regions(topology, &facets, &folds[..smooth]);
     let is_developable = developable(&folds[..smooth], &region_of, &nets);
     let developable = |f: FaceId| is_developable[region_of[f.index()]];
     let share = share_of(&|f| planar(f) && developable(f));
     if !(share >= HARD) {
-        return None;
+        return Ok(None);
     }
-    for fold in &folds[smooth..] {
-        if developable(fold.corner.face()) && developable(fold.opposite.face()) {
-            nets.join(fold);
-        }
-    }
+    let is_between = |fold: &Fold| developable(fold.corner.face()) && developable(fold.opposite.face());
+    join(&mut nets, &folds[smooth..], is_between, checkpoint)?;
     let mut seams = Seams::none(topology);
     for (c, o) in interior_edges(topology) {
         let (one, other) = (c.face(), o.face());
@@ -96,7 +113,25 @@ pub fn hard_surface(
             seams.insert(topology, c);
         }
     }
-    Some(HardSurface { seams, share, facets: facets.sizes.len() })
+    Ok(Some(HardSurface { seams, share, facets: facets.sizes.len() }))
+}
+
+/// Joins nets along some folds, in their order.
+fn join(
+    nets: &mut Nets<'_>,
+    folds: &[Fold],
+    is_wanted: impl Fn(&Fold) -> bool,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<(), Cancelled> {
+    for (i, fold) in folds.iter().enumerate() {
+        if i.is_multiple_of(FOLDS) {
+            checkpoint()?;
+        }
+        if is_wanted(fold) {
+            nets.join(fold);
+        }
+    }
+    Ok(())
 }
 
 /// The planar parts of a surface.
@@ -111,7 +146,7 @@ pub struct PlanarFacets {
 /// Faces in one plane, connected: a map of any surface in parts that are isometric, without solving for anything.
 #[must_use]
 pub fn planar_facets(mesh: &TriMesh, topology: &Topology) -> PlanarFacets {
-    let facets = Facets::grow(mesh, topology, crate::seams::diagonal(mesh));
+    let facets = Facets::grow(mesh, topology, crate::seams::diagonal(mesh), &mut || Ok(())).expect("nobody ends it");
     let facet = |c: CornerId| facets.of_face[c.face().index()];
     let seams = Seams::where_edges(topology, |c, o| facet(c) != facet(o));
     PlanarFacets { seams, layout: facets.layout }
