@@ -3,12 +3,14 @@
 use super::finish::Finished;
 use super::surface::diagonal;
 use super::{Unwrapped, UnwrappedChart};
+use abf_control::{Cancelled, Checkpoint, at_block};
 use abf_cut::{Chart, Repaired, uv_borders};
 use abf_mesh::{CornerId, FaceId, Point2, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::Precision;
 
 /// Everything in terms of the input, whose coordinates were multiplied by `scale` to work with. `joined` has its faces with
 /// vertices in one place made one.
+#[allow(clippy::too_many_arguments, reason = "what a run has made")]
 pub(super) fn unwrapped(
     input: &TriMesh,
     joined: &TriMesh,
@@ -17,12 +19,17 @@ pub(super) fn unwrapped(
     finished: Vec<Vec<Finished>>,
     scale: f64,
     precision: Precision,
-) -> Unwrapped {
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Unwrapped, Cancelled> {
     let mut charts = Vec::new();
     let without_area = in_no_chart(parts, repaired, &finished);
     for (i, (finished, part)) in finished.into_iter().zip(parts).enumerate() {
-        charts.extend(finished.into_iter().map(|one| in_input(i, one, part, repaired, scale, precision)));
+        for one in finished {
+            checkpoint()?;
+            charts.push(in_input(i, one, part, repaired, scale, precision));
+        }
     }
+    checkpoint()?;
     let anchor = charts.first().map_or(CornerId::new(0), |chart: &UnwrappedChart| chart.faces[0].corner(0));
     let in_one_point = without_area.iter().flat_map(|face| face.corners()).map(|corner| (corner, anchor));
     let mut whole = Unwrapped {
@@ -37,8 +44,8 @@ pub(super) fn unwrapped(
         turned: turned(repaired),
         corner_count: 3 * input.face_count(),
     };
-    find_seams(&mut whole, input, repaired);
-    whole
+    find_seams(&mut whole, input, repaired, checkpoint)?;
+    Ok(whole)
 }
 
 fn in_input(
@@ -126,16 +133,24 @@ fn followers(input: &TriMesh, repaired: &Repaired) -> Vec<(CornerId, CornerId)> 
 }
 
 /// The edges of the repaired mesh whose sides have different UVs, and their length in all and per chart.
-fn find_seams(whole: &mut Unwrapped, input: &TriMesh, repaired: &Repaired) {
+fn find_seams(
+    whole: &mut Unwrapped,
+    input: &TriMesh,
+    repaired: &Repaired,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<(), Cancelled> {
     let topology = &repaired.topology;
     let uv = whole.uv();
+    checkpoint()?;
     let of_corner = |c| uv.corners()[repaired.input_corner(c).index()];
     let borders = uv_borders(topology, &topology.corners().map(of_corner).collect::<Vec<_>>());
     let mut chart_of = vec![0; input.face_count()];
     for (i, chart) in whole.charts.iter().enumerate() {
         chart.faces.iter().for_each(|f| chart_of[f.index()] = i);
     }
-    for c in borders.edges(topology) {
+    checkpoint()?;
+    for (i, c) in borders.edges(topology).enumerate() {
+        at_block(i, checkpoint)?;
         let ends = [c.next(), c.prev()].map(|e| repaired.vertices[topology.vertex(e).index()]);
         let [a, b] = ends.map(|v: VertexId| input.positions()[v.index()]);
         let length = (b - a).norm();
@@ -150,6 +165,7 @@ fn find_seams(whole: &mut Unwrapped, input: &TriMesh, repaired: &Repaired) {
     }
     whole.seams.sort_unstable();
     whole.seams.dedup();
+    checkpoint()
 }
 
 impl Unwrapped {

@@ -215,6 +215,7 @@ impl Unwrap {
             rule => rule,
         };
         let welded = weld(working, rule);
+        ask(observer, Event::Working)?;
         let mut repaired = repair(welded.as_ref().map_or(working, |welded| &welded.mesh))?;
         repaired.report.joined_vertices = welded.as_ref().map(|welded| welded.joined).unwrap_or_default();
         ask(observer, Event::Working)?;
@@ -226,6 +227,7 @@ impl Unwrap {
         }
         let budget = TimeBudget::start(&self.pipeline.stop);
         let kept = self.kept_seams(&repaired, working, hints);
+        ask(observer, Event::Working)?;
         let parts = split(&repaired.mesh, &repaired.topology, &kept).map_err(FlattenError::from)?;
         ask(observer, Event::Working)?;
         let relay = Relay::new(observer, parts.len());
@@ -269,7 +271,8 @@ impl Unwrap {
                 charts,
                 scale,
                 self.pipeline.precision,
-            )),
+                &mut || ask(&mut relay.ear(parts.len() - 1), Event::Working),
+            )?),
         }
     }
 
