@@ -27,6 +27,7 @@ mod flattening;
 mod precision_limits;
 mod run;
 mod settings;
+mod solve_report;
 mod unwrap;
 
 pub use abf_constraints as constraints;
@@ -59,6 +60,7 @@ pub use flattening::{Flattening, LayoutReport, RungReport};
 pub use precision_limits::PrecisionLimits;
 pub use run::flatten;
 pub use settings::*;
+pub use solve_report::SolveReport;
 pub use unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped, UnwrappedChart};
 
 /// The code in the documents compiles and runs.

@@ -18,6 +18,7 @@ mod show;
 
 use cli::args::{Args, Command, Generated};
 use cli::program;
+use cli::typed::Typed;
 use commands::compare::{Comparison, compare};
 use commands::flatten::{Settings, flatten};
 use commands::survey::{Survey, survey};
@@ -36,7 +37,7 @@ pub fn main() -> ExitCode {
 
 /// Does what was asked for.
 fn run_command() -> Outcome {
-    let args: Args = program::parse();
+    let (args, typed): (Args, Typed) = program::parse();
     if let Some(what) = args.generate {
         return print(what);
     }
@@ -47,14 +48,14 @@ fn run_command() -> Outcome {
     }
     // A usage error says what is wrong and leaves with code 2.
     match args.command {
-        None => flatten(&Settings::new(args.flatten).unwrap_or_else(|error| program::exit(error, None))),
+        None => flatten(&Settings::new(args.flatten, typed).unwrap_or_else(|error| program::exit(error, None))),
         Some(Command::Compare(args)) => {
-            compare(&Comparison::new(*args).unwrap_or_else(|error| program::exit(error, Some("compare"))))
+            compare(&Comparison::new(*args, typed).unwrap_or_else(|error| program::exit(error, Some("compare"))))
         }
         Some(Command::Survey(args)) => {
-            survey(&Survey::new(*args).unwrap_or_else(|error| program::exit(error, Some("survey"))))
+            survey(&Survey::new(*args, typed).unwrap_or_else(|error| program::exit(error, Some("survey"))))
         }
-        Some(Command::Metrics(args)) => metrics::judge_all(&args),
+        Some(Command::Metrics(args)) => metrics::judge_all(&args, &typed),
         Some(Command::Fixtures(args)) => fixtures::write(args),
     }
 }

@@ -1,5 +1,6 @@
 //! Why there is no picture.
 
+use abf_control::Cancelled;
 use abf_metrics::MetricsError;
 
 /// Why a picture could not be drawn.
@@ -10,6 +11,9 @@ pub enum PictureError {
     /// coordinates that are not finite.
     #[error(transparent)]
     Input(#[from] MetricsError),
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// A canvas without room for two panels.
     #[error("a canvas of {width} × {height} pixels is too small: each side must have at least {min}")]
     CanvasTooSmall {

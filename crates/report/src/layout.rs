@@ -1,5 +1,6 @@
 //! The right panel: the layout in the UV plane.
 
+use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::{CornerId, Point3, UvMap, Vector2};
 use tiny_skia::{LineCap, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
@@ -28,21 +29,29 @@ pub(crate) struct Layout<'a> {
 
 impl Layout<'_> {
     /// Draws the layout into its panel; `line_width` is in pixels.
-    pub(crate) fn draw(&self, canvas: &mut Pixmap, panel: &Panel, palette: &Palette, line_width: f64) {
+    pub(crate) fn draw(
+        &self,
+        canvas: &mut Pixmap,
+        panel: &Panel,
+        palette: &Palette,
+        line_width: f64,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(), Cancelled> {
         let fit = panel.fit(bounds(self.uv.triangles().flatten()));
-        let seen = self.visibility(panel, &fit);
+        let seen = self.visibility(panel, &fit, checkpoint)?;
         let footprint = Vector2::from_element(1.0 / fit.scale);
-        panel.resolve(canvas, palette.background, &seen, |face, at| {
+        panel.resolve(canvas, palette.background, &seen, checkpoint, |face, at| {
             if self.flipped[face as usize] { palette.flipped } else { self.skin.front(face, fit.invert(at), footprint) }
-        });
-        self.stroke_outline(canvas, panel, &fit, palette, line_width);
+        })?;
+        self.stroke_outline(canvas, panel, &fit, palette, line_width, checkpoint)
     }
 
     /// What is seen at every sample. A flipped triangle leaves a mark however small it is.
-    fn visibility(&self, panel: &Panel, fit: &Fit) -> Visibility {
+    fn visibility(&self, panel: &Panel, fit: &Fit, checkpoint: &mut Checkpoint<'_>) -> Result<Visibility, Cancelled> {
         let mut seen = panel.grid();
         let radius = panel.length(MARK);
         for (face, (triangle, &flipped)) in self.uv.triangles().zip(self.flipped).enumerate() {
+            checkpoint()?;
             let depth = if flipped { FLIPPED } else { 0.0 };
             let corners = triangle.map(|p| fit.apply(p)).map(|p| Point3::new(p.x, p.y, depth));
             seen.triangle(&corners, face as u32);
@@ -51,17 +60,26 @@ impl Layout<'_> {
                 seen.dot(Point3::from(a + b + c), radius, face as u32);
             }
         }
-        seen
+        Ok(seen)
     }
 
     /// Strokes the outline with anti-aliased lines. Round ends join edges at any angle.
-    fn stroke_outline(&self, canvas: &mut Pixmap, panel: &Panel, fit: &Fit, palette: &Palette, line_width: f64) {
+    fn stroke_outline(
+        &self,
+        canvas: &mut Pixmap,
+        panel: &Panel,
+        fit: &Fit,
+        palette: &Palette,
+        line_width: f64,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(), Cancelled> {
         let mut paint = Paint::default();
         let [r, g, b] = palette.ink.to_srgb();
         paint.set_color_rgba8(r, g, b, u8::MAX);
         let stroke = Stroke { width: line_width as f32, line_cap: LineCap::Round, ..Stroke::default() };
         let on_canvas = |c: CornerId| panel.on_canvas(fit.apply(self.uv.corner(c)));
         for edges in self.outline.chunks(EDGES_PER_PATH) {
+            checkpoint()?;
             let mut path = PathBuilder::new();
             for &edge in edges {
                 let [from, to] = [edge, edge.next()].map(on_canvas);
@@ -72,5 +90,6 @@ impl Layout<'_> {
                 canvas.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
             }
         }
+        Ok(())
     }
 }

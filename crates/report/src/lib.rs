@@ -33,4 +33,4 @@ pub mod svg;
 
 pub use camera::View;
 pub use error::PictureError;
-pub use picture::{PictureStyle, picture};
+pub use picture::{PictureStyle, picture, picture_unless};

@@ -1,5 +1,6 @@
 //! One half of the canvas: fitting a drawing into it, and averaging its samples to pixels.
 
+use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::{Point2, Vector2};
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
@@ -62,13 +63,15 @@ impl Panel {
         canvas: &mut Pixmap,
         background: Option<Colour>,
         seen: &Visibility,
+        checkpoint: &mut Checkpoint<'_>,
         mut shade: impl FnMut(u32, Point2<f64>) -> Colour,
-    ) {
+    ) -> Result<(), Cancelled> {
         let n = self.samples as usize;
         let share = 1.0 / (n * n) as f64;
         let stride = canvas.width() as usize;
         let pixels = canvas.pixels_mut();
         for y in 0..self.height as usize {
+            checkpoint()?;
             let bottom = (self.height as usize - 1 - y) * n;
             for x in 0..self.width as usize {
                 let (mut sum, mut covered) = (Colour::default(), 0);
@@ -86,6 +89,7 @@ impl Panel {
                 }
             }
         }
+        Ok(())
     }
 }
 
@@ -147,11 +151,11 @@ mod tests {
         // The lower half of the lowest row of pixels.
         seen.line(abf_mesh::Point3::new(0.0, 0.0, 0.0), abf_mesh::Point3::new(40.0, 0.0, 0.0), 1.0, 0);
         let (black, white) = (Colour::from_srgb([0; 3]), Colour::from_srgb([255; 3]));
-        PANEL.resolve(&mut canvas, Some(white), &seen, |_, _| black);
+        PANEL.resolve(&mut canvas, Some(white), &seen, &mut || Ok(()), |_, _| black).expect("not cancelled");
         let pixel = canvas.pixel(7, 9).expect("inside");
         assert_eq!([pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()], [188, 188, 188, 255]);
         assert_eq!(canvas.pixel(7, 8).expect("inside").alpha(), 0);
-        PANEL.resolve(&mut canvas, None, &seen, |_, _| black);
+        PANEL.resolve(&mut canvas, None, &seen, &mut || Ok(()), |_, _| black).expect("not cancelled");
         assert_eq!(canvas.pixel(7, 9).expect("inside").alpha(), 128);
     }
 }

@@ -1,5 +1,6 @@
 //! The whole picture: its style, its checks, and the two panels on one canvas.
 
+use abf_control::Checkpoint;
 use abf_mesh::{TriMesh, UvMap};
 use tiny_skia::{Color, Pixmap};
 
@@ -58,7 +59,7 @@ impl Default for PictureStyle {
 /// Left: the surface, lit, its back side in a neutral tone. Right: the layout as it is, neither
 /// turned nor mirrored. Boundaries and seams are dark lines on both sides, and triangles that the
 /// layout has upside down are red on both; in the layout, each leaves a mark of three pixels at
-/// least. Time is linear in samples and, but for two sorts that find the boundary, in faces.
+/// least. Time is linear in samples and, but for three sorts, in faces; faces that lie in one place are drawn once.
 ///
 /// The same input gives the same bytes.
 ///
@@ -78,6 +79,19 @@ impl Default for PictureStyle {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn picture(mesh: &TriMesh, uv: &UvMap, style: &PictureStyle) -> Result<Vec<u8>, PictureError> {
+    picture_unless(mesh, uv, style, &mut || Ok(()))
+}
+
+/// [`picture`] that asks between its parts whether to go on.
+///
+/// # Errors
+/// As [`picture`], and [`PictureError::Cancelled`].
+pub fn picture_unless(
+    mesh: &TriMesh,
+    uv: &UvMap,
+    style: &PictureStyle,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Vec<u8>, PictureError> {
     check_style(style)?;
     let scene = Scene::new(mesh, uv, &style.view, style.line_width)?;
     let checker = Checker::over(bounds(uv.triangles().flatten()), style.checks);
@@ -86,8 +100,8 @@ pub fn picture(mesh: &TriMesh, uv: &UvMap, style: &PictureStyle) -> Result<Vec<u
     let [left, right] = panels(style);
     let palette = Palette::on(Some(style.background));
     let mut canvas = blank(style)?;
-    scene.draw_surface(&mut canvas, &left, &skin, &palette);
-    scene.draw_layout(&mut canvas, &right, &skin, &palette);
+    scene.draw_surface(&mut canvas, &left, &skin, &palette, checkpoint)?;
+    scene.draw_layout(&mut canvas, &right, &skin, &palette, checkpoint)?;
     canvas.encode_png().map_err(|e| PictureError::Encoding { reason: e.to_string() })
 }
 
@@ -177,6 +191,26 @@ mod tests {
         for (x, y) in [(0, 0), (100, 50), (199, 99), (50, 2)] {
             assert_eq!(pixel(&canvas, x, y), small().background);
         }
+    }
+
+    #[test]
+    fn parts_in_one_place_cost_what_one_of_them_costs_and_an_interrupt_is_heard_between_any_two_faces() {
+        let (mesh, uv) = square();
+        let positions: Vec<_> = (0..50).flat_map(|_| mesh.positions().iter().copied()).collect();
+        let faces: Vec<_> =
+            (0..50).flat_map(|k| [[4 * k, 4 * k + 1, 4 * k + 2], [4 * k, 4 * k + 2, 4 * k + 3]]).collect();
+        let many = TriMesh::new(positions, &faces).expect("indices in range");
+        let corners: Vec<Point2<f64>> = (0..50).flat_map(|_| uv.points().iter().copied()).collect();
+        let of_many = UvMap::per_vertex(&many, &corners);
+        let style = PictureStyle { line_width: 0.0, ..small() };
+        assert_eq!(picture(&many, &of_many, &style), picture(&mesh, &uv, &style));
+        let mut asked = 0;
+        let mut after_thirty = || {
+            asked += 1;
+            if asked > 30 { Err(abf_control::Cancelled) } else { Ok(()) }
+        };
+        let drawn = picture_unless(&many, &of_many, &style, &mut after_thirty);
+        assert_eq!((drawn, asked), (Err(PictureError::Cancelled(abf_control::Cancelled)), 31));
     }
 
     #[test]

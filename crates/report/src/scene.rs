@@ -1,5 +1,6 @@
 //! What every picture of one flattened mesh shares, whatever its faces are painted with.
 
+use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::{CornerId, TriMesh, UvMap};
 use abf_metrics::{FaceDistortion, Orientation, per_face};
 use tiny_skia::Pixmap;
@@ -50,15 +51,29 @@ impl<'a> Scene<'a> {
     }
 
     /// Draws the surface into a panel of the canvas.
-    pub(crate) fn draw_surface(&self, canvas: &mut Pixmap, panel: &Panel, skin: &Skin<'_>, palette: &Palette) {
+    pub(crate) fn draw_surface(
+        &self,
+        canvas: &mut Pixmap,
+        panel: &Panel,
+        skin: &Skin<'_>,
+        palette: &Palette,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(), Cancelled> {
         let Self { mesh, uv, camera, flipped, outline, .. } = self;
-        Surface { mesh, uv, camera, skin, flipped, outline }.draw(canvas, panel, palette, self.line_width);
+        Surface { mesh, uv, camera, skin, flipped, outline }.draw(canvas, panel, palette, self.line_width, checkpoint)
     }
 
     /// Draws the layout into a panel of the canvas.
-    pub(crate) fn draw_layout(&self, canvas: &mut Pixmap, panel: &Panel, skin: &Skin<'_>, palette: &Palette) {
+    pub(crate) fn draw_layout(
+        &self,
+        canvas: &mut Pixmap,
+        panel: &Panel,
+        skin: &Skin<'_>,
+        palette: &Palette,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(), Cancelled> {
         let Self { uv, flipped, outline, .. } = self;
-        Layout { uv, skin, flipped, outline }.draw(canvas, panel, palette, self.line_width);
+        Layout { uv, skin, flipped, outline }.draw(canvas, panel, palette, self.line_width, checkpoint)
     }
 }
 

@@ -1,6 +1,8 @@
 //! The left panel: the surface in space, textured through its UVs.
 
-use abf_mesh::{CornerId, FaceId, Point2, Point3, TriMesh, UvMap, Vector2, Vector3};
+use abf_control::{Cancelled, Checkpoint};
+use abf_mesh::{CornerId, FaceId, Point2, Point3, TriMesh, UvMap, Vector2, Vector3, VertexId};
+use std::collections::HashSet;
 use tiny_skia::Pixmap;
 
 use crate::camera::Camera;
@@ -33,19 +35,26 @@ pub(crate) struct Surface<'a> {
 
 impl Surface<'_> {
     /// Draws the surface into its panel; `line_width` is in pixels.
-    pub(crate) fn draw(&self, canvas: &mut Pixmap, panel: &Panel, palette: &Palette, line_width: f64) {
+    pub(crate) fn draw(
+        &self,
+        canvas: &mut Pixmap,
+        panel: &Panel,
+        palette: &Palette,
+        line_width: f64,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(), Cancelled> {
         let screen = self.on_screen(panel);
-        let seen = self.visibility(panel, &screen, panel.length(0.5 * line_width));
+        let seen = self.visibility(panel, &screen, panel.length(0.5 * line_width), checkpoint)?;
         let normals = vertex_normals(self.mesh, &screen);
         let light = Vector3::from(LIGHT).normalize();
         let mut texture = Cached { face: LINE, texture: None };
-        panel.resolve(canvas, palette.background, &seen, |item, at| {
+        panel.resolve(canvas, palette.background, &seen, checkpoint, |item, at| {
             if item == LINE {
                 return palette.ink;
             }
             let texture = texture.get(item, || self.texture(FaceId::new(item as usize), &screen, &normals));
             texture.map_or(palette.back, |t| t.colour(at, self.skin, palette, &light))
-        });
+        })
     }
 
     /// Every vertex in the panel: samples to the right, up, and towards the viewer.
@@ -60,21 +69,43 @@ impl Surface<'_> {
         self.mesh.positions().iter().map(project).collect()
     }
 
-    /// What is seen at every sample: a face or a line.
-    fn visibility(&self, panel: &Panel, screen: &[Point3<f64>], half_width: f64) -> Visibility {
+    /// What is seen at every sample: a face or a line. Of faces in one place the first is drawn, and of lines; the nearest
+    /// faces come first, because they hide others.
+    fn visibility(
+        &self,
+        panel: &Panel,
+        screen: &[Point3<f64>],
+        half_width: f64,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Visibility, Cancelled> {
         let mut seen = panel.grid();
-        for (face, vertices) in self.mesh.faces().iter().enumerate() {
-            seen.triangle(&vertices.map(|v| screen[v.index()]), face as u32);
+        let nearest = |(face, vertices): (usize, &[VertexId; 3])| {
+            let [a, b, c] = vertices.map(|v| screen[v.index()].z);
+            (a.max(b).max(c), face)
+        };
+        let mut order: Vec<(f64, usize)> = self.mesh.faces().iter().enumerate().map(nearest).collect();
+        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut drawn = HashSet::with_capacity(order.len());
+        for (_, face) in order {
+            checkpoint()?;
+            let corners = self.mesh.faces()[face].map(|v| screen[v.index()]);
+            if drawn.insert(place(corners)) {
+                seen.triangle(&corners, face as u32);
+            }
         }
+        let mut drawn = HashSet::with_capacity(self.outline.len());
         for &corner in self.outline {
+            checkpoint()?;
             let vertices = self.mesh.faces()[corner.face().index()];
             let [from, to] = [corner, corner.next()].map(|c| {
                 let p = screen[vertices[c.place()].index()];
                 Point3::new(p.x, p.y, p.z + LIFT * half_width)
             });
-            seen.line(from, to, half_width, LINE);
+            if drawn.insert(place([from, to])) {
+                seen.line(from, to, half_width, LINE);
+            }
         }
-        seen
+        Ok(seen)
     }
 
     /// How one face is coloured; `None` if it is seen exactly from the side.
@@ -94,6 +125,14 @@ impl Surface<'_> {
             flipped: self.flipped[face.index()],
         })
     }
+}
+
+/// What is the same for everything with the same corners.
+fn place<const N: usize>(corners: [Point3<f64>; N]) -> [[u64; 3]; N] {
+    // Adding zero makes −0 and +0 the same bits.
+    let mut bits = corners.map(|p| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits()));
+    bits.sort_unstable();
+    bits
 }
 
 /// The texture of the face asked for last: neighbouring samples mostly see the same one.

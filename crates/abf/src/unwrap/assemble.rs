@@ -73,6 +73,7 @@ fn in_input(
         metrics: finished.metrics,
         solver: finished.solver,
         termination: finished.termination,
+        solve: finished.solve,
         layout: finished.layout,
         rungs: finished.rungs,
         layout_error: finished.layout_error,

@@ -1,6 +1,6 @@
 //! From a flattened chart with virtual faces to one without.
 
-use crate::{FlattenError, Flattening, LayoutReport, RungReport, SolverKind};
+use crate::{FlattenError, Flattening, LayoutReport, RungReport, SolveReport, SolverKind};
 use abf_control::{Checkpoint, Termination};
 use abf_cut::Chart;
 use abf_mesh::{FaceId, TriMesh, UvId, UvMap, VertexId};
@@ -17,6 +17,8 @@ pub(super) struct Finished {
     pub(super) metrics: Metrics,
     pub(super) solver: SolverKind,
     pub(super) termination: Termination,
+    /// What the solver did.
+    pub(super) solve: SolveReport,
     pub(super) layout: LayoutReport,
     pub(super) rungs: Vec<RungReport>,
     pub(super) layout_error: Option<f64>,
@@ -54,6 +56,7 @@ impl Finished {
             metrics,
             solver,
             termination,
+            solve: SolveReport::default(),
             layout,
             rungs: Vec::new(),
             layout_error: None,
@@ -75,6 +78,7 @@ pub(super) fn finish(
     checkpoint()?;
     let layout_error = layout_error(chart, real, &flat)?;
     checkpoint()?;
+    let solve = flat.solve_report();
     let faces: Vec<FaceId> = (0..real).map(FaceId::new).collect();
     let (uv, metrics) = if real == chart.mesh.face_count() {
         let metrics = measure_certified(&chart.mesh, &flat.uv, flat.certificate)?;
@@ -88,6 +92,7 @@ pub(super) fn finish(
         metrics,
         solver: flat.solver,
         termination: flat.termination,
+        solve,
         layout: flat.layout,
         rungs: flat.rungs,
         layout_error,

@@ -13,7 +13,7 @@ mod stretch;
 mod surface;
 mod unfinished;
 
-use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolverKind, ZeroArea};
+use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolveReport, SolverKind, ZeroArea};
 use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, UnknownName, ask};
 use abf_cut::{
     Chart, CostSettings, HoleFilling, RepairReport, Seams, Weld, label_borders, repair, split, uv_borders, weld,
@@ -159,6 +159,8 @@ pub struct UnwrappedChart {
     pub solver: SolverKind,
     /// How the solver ended.
     pub termination: Termination,
+    /// What the solver did, on its last disk with that disk's virtual faces.
+    pub solve: SolveReport,
     /// What the layout did.
     pub layout: LayoutReport,
     /// What the solvers of [`SolverKind::Auto`] came to.

@@ -6,4 +6,5 @@ pub(crate) mod methods;
 pub(crate) mod mistyped;
 pub(crate) mod program;
 pub(crate) mod targets;
+pub(crate) mod typed;
 pub(crate) mod usage;

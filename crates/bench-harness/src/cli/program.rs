@@ -1,8 +1,10 @@
 //! The program by the name it was called by: its help, its usage errors, and what it generates of itself.
 
 use super::args::{Args, Generated};
+use super::typed::Typed;
 use clap::{Command, CommandFactory, FromArgMatches};
 use clap_complete::Shell;
+use clap_mangen::Man;
 use std::ffi::OsString;
 use std::io;
 use std::path::Path;
@@ -19,9 +21,12 @@ Of several meshes or solvers the worst counts. A reader of stdout that goes away
 A map that overlaps itself is said to, and does not change the code.";
 
 /// Reads the command line. A usage error, and a call for help, end the program.
-pub(crate) fn parse() -> Args {
-    let matches = command(name()).get_matches();
-    Args::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command(name())).exit())
+pub(crate) fn parse() -> (Args, Typed) {
+    let mut command = command(name());
+    command.build();
+    let matches = command.get_matches_mut();
+    let args = Args::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
+    (args, Typed::new(&command, &matches))
 }
 
 /// Ends the program with a usage error, which shows the usage of this command; `None` is flattening.
@@ -43,9 +48,29 @@ pub(crate) fn generate(what: Generated, out: &mut dyn io::Write) -> io::Result<(
         Generated::CompleteBash => clap_complete::generate(Shell::Bash, &mut command, name, &mut script),
         Generated::CompleteZsh => clap_complete::generate(Shell::Zsh, &mut command, name, &mut script),
         Generated::CompleteFish => clap_complete::generate(Shell::Fish, &mut command, name, &mut script),
-        Generated::Man => clap_mangen::Man::new(command).render(&mut script)?,
+        Generated::Man => manual(command, &mut script)?,
     }
     out.write_all(&script)
+}
+
+/// One manual of everything: the page of flattening, then for each subcommand a section with its synopsis and its options.
+fn manual(mut command: Command, out: &mut dyn io::Write) -> io::Result<()> {
+    command.build();
+    Man::new(command.clone()).render(out)?;
+    for subcommand in command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help") {
+        let page = Man::new(subcommand.clone());
+        let mut sections = Vec::new();
+        page.render_synopsis_section(&mut sections)?;
+        page.render_description_section(&mut sections)?;
+        page.render_options_section(&mut sections)?;
+        page.render_extra_section(&mut sections)?;
+        let title = subcommand.get_bin_name().unwrap_or(subcommand.get_name()).to_uppercase();
+        // Sections of a subcommand are subsections of the whole.
+        let sections = String::from_utf8_lossy(&sections).replace("\n.SH ", "\n.SS ");
+        let sections = sections.strip_prefix(".SH ").map_or_else(|| sections.clone(), |rest| format!(".SS {rest}"));
+        writeln!(out, ".SH \"{title}\"\n{sections}")?;
+    }
+    Ok(())
 }
 
 /// The command line of the program of that name.
@@ -96,6 +121,29 @@ mod tests {
                     "{help}"
                 );
                 assert_eq!(help.lines().find(|line| line.chars().count() > 100), None);
+            }
+        }
+    }
+
+    #[test]
+    fn every_subcommand_has_a_help_of_its_own_and_a_section_of_the_manual_with_all_its_options() {
+        let mut out = Vec::new();
+        generate(Generated::Man, &mut out).expect("written");
+        let manual = String::from_utf8(out).expect("text").replace("\\-", "-");
+        assert_eq!(manual.lines().filter(|line| line.starts_with(".TH ")).count(), 1, "one page: {manual}");
+        let mut command = command("abf");
+        command.build();
+        for subcommand in command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help") {
+            let title = format!("\n.SH \"ABF {}\"\n", subcommand.get_name().to_uppercase());
+            let (_, section) = manual.split_once(&title).unwrap_or_else(|| panic!("{title} in {manual}"));
+            let section = section.split("\n.SH ").next().unwrap_or_default();
+            let help = subcommand.clone().render_long_help().to_string();
+            assert!(help.contains(&format!("Usage: abf {}", subcommand.get_name())), "{help}");
+            assert_eq!(help.lines().find(|line| line.chars().count() > 100), None);
+            for argument in subcommand.get_arguments().filter(|argument| !argument.is_hide_set()) {
+                let Some(option) = argument.get_long().map(|long| format!("--{long}")) else { continue };
+                assert!(help.contains(&option), "{option}: {help}");
+                assert!(section.contains(&option), "{option}: {section}");
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::cli::args::MetricsArgs;
 use crate::cli::targets::JsonTarget;
+use crate::cli::typed::Typed;
 use crate::record::failure::Failure;
 use crate::record::{Outcome, Quality, Record, Size, Stages, Timings, to_json};
 use crate::run::memory::HeapWatch;
@@ -17,13 +18,13 @@ use std::path::Path;
 use std::time::Instant;
 
 /// Judges every file asked for.
-pub(crate) fn judge_all(args: &MetricsArgs) -> Outcome {
+pub(crate) fn judge_all(args: &MetricsArgs, typed: &Typed) -> Outcome {
     let json = JsonTarget::new(args.json.clone());
     if let Err(failure) = files::check([json.as_ref().and_then(JsonTarget::file)]) {
         console::failure(&failure);
         return Outcome::Failed;
     }
-    let records: Vec<Record> = args.files.iter().map(|file| judge(file)).collect();
+    let records: Vec<Record> = args.files.iter().map(|file| judge(file, typed)).collect();
     let worst = records.iter().map(Record::outcome).max().unwrap_or(Outcome::AsAsked);
     match show(&table::of_meshes(&records), || to_json(&records), json.as_ref()) {
         Ok(()) => worst,
@@ -35,9 +36,10 @@ pub(crate) fn judge_all(args: &MetricsArgs) -> Outcome {
 }
 
 /// Reads and judges one file. Whatever goes wrong is in the record and on stderr.
-fn judge(path: &Path) -> Record {
+fn judge(path: &Path, typed: &Typed) -> Record {
     let mut record = Record { mesh: path.display().to_string(), ..Record::default() };
-    if let Err(failure) = fill(path, &mut record) {
+    if let Err(mut failure) = fill(path, &mut record) {
+        typed.fit_failure(&mut failure);
         console::failure(&failure);
         record.error = Some(failure);
     }

@@ -1,10 +1,13 @@
 //! What became of a mesh that was cut into charts.
 
 use super::figure::{self, known};
-use super::text;
-use abf::{Placement, Termination, UnwrappedChart};
+use super::run::Solved;
+use super::settings::written;
+use abf::{Pipeline, Placement, Unwrap, UnwrappedChart};
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
+use std::ops::Deref;
 
 /// Rounding is no reason to miss an aim.
 const WITHIN: f64 = 1.0 + 1e-9;
@@ -12,6 +15,8 @@ const WITHIN: f64 = 1.0 + 1e-9;
 /// The charts of a mesh and their atlas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Atlas {
+    /// What was asked of seams, holes and the packing.
+    pub(crate) settings: ChartSettings,
     /// Each chart.
     pub(crate) charts: Vec<Charted>,
     /// How many unit squares they are in.
@@ -43,6 +48,29 @@ pub(crate) struct Atlas {
     pub(crate) repairs: Vec<String>,
 }
 
+/// The settings of charts, in the forms in which they write and read themselves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ChartSettings {
+    /// Those of [`Unwrap`]; its pipeline is the run's.
+    pub(crate) unwrap: Map<String, Value>,
+    /// Those of [`abf::Atlas`].
+    pub(crate) packing: Map<String, Value>,
+}
+
+impl ChartSettings {
+    /// What was asked.
+    pub(crate) fn new(unwrap: &Unwrap, packing: &abf::Atlas) -> Self {
+        let mut unwrap = written(unwrap);
+        unwrap.remove("pipeline");
+        Self { unwrap, packing: written(packing) }
+    }
+
+    /// Whether disks were cut like all else.
+    pub(crate) fn cuts_disks(&self) -> bool {
+        self.unwrap.get("cut_disks") == Some(&Value::Bool(true))
+    }
+}
+
 /// One chart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Charted {
@@ -52,11 +80,9 @@ pub(crate) struct Charted {
     pub(crate) page: usize,
     /// How many triangles it has.
     pub(crate) triangles: usize,
-    /// Whose result it is.
-    pub(crate) solved_by: String,
-    /// How the solver ended.
-    #[serde(with = "text::ending")]
-    pub(crate) termination: Termination,
+    /// What the solver and the layout did.
+    #[serde(flatten)]
+    pub(crate) solved: Solved,
     /// No triangle flipped, none collapsed, no vertex wound around.
     pub(crate) valid: bool,
     /// Valid, and no overlap.
@@ -81,14 +107,21 @@ pub(crate) struct Charted {
     pub(crate) layout_error: Option<f64>,
 }
 
+impl Deref for Charted {
+    type Target = Solved;
+
+    fn deref(&self) -> &Solved {
+        &self.solved
+    }
+}
+
 impl Charted {
-    pub(crate) fn new(chart: &UnwrappedChart, placement: &Placement) -> Self {
+    pub(crate) fn new(pipeline: &Pipeline, chart: &UnwrappedChart, placement: &Placement) -> Self {
         Self {
             component: chart.component,
             page: placement.page,
             triangles: chart.faces.len(),
-            solved_by: chart.solver.to_string(),
-            termination: chart.termination,
+            solved: Solved::of_chart(pipeline, chart),
             valid: chart.metrics.valid(),
             injective: chart.metrics.injective(),
             f: known(chart.metrics.f),
@@ -103,12 +136,6 @@ impl Charted {
 }
 
 impl Atlas {
-    /// How the charts ended: as the first that did not end as asked, else as the first.
-    pub(crate) fn termination(&self) -> Option<Termination> {
-        let all = || self.charts.iter().map(|chart| chart.termination);
-        all().find(|end| !end.is_as_asked()).or_else(|| all().next())
-    }
-
     /// Whether every chart is finished, lies nowhere over itself and is within the aim, where seams may be as long as that
     /// takes.
     pub(crate) fn is_as_asked(&self) -> bool {

@@ -74,7 +74,7 @@ impl Failure {
 
     /// A picture of more than one page.
     pub(crate) fn several_pages(path: &Path, pages: usize) -> Self {
-        let hint = "take --atlas one for a picture";
+        let hint = "take --atlas one, or --max-pages 1, or leave out --png, or leave out --svg";
         Self::new(
             (FailureKind::NoPicture, hint),
             format!("{}: there are {pages} pages, and a picture shows one", path.display()),
@@ -90,7 +90,7 @@ impl Failure {
     /// A file without UVs where there should be some.
     pub(crate) fn no_uv(mesh: &str, dropped: Option<UvDropped>) -> Self {
         let why = dropped.map_or_else(String::new, |why| format!(" that can be used: {why}"));
-        let hint = "flatten it first with -o out.obj, then judge out.obj";
+        let hint = "flatten it first, and judge what that writes: abf MESH -o out.obj";
         Self::new((FailureKind::NoUv, hint), format!("{mesh}: there are no UVs{why}"))
     }
 
@@ -131,13 +131,13 @@ impl Failure {
 
     /// A file that is not the JSON of a comparison.
     pub(crate) fn no_baseline(path: &Path, why: &str) -> Self {
-        let hint = "name a file that compare --json has written";
+        let hint = "name a file that abf compare --json has written";
         Self::new((FailureKind::NoBaseline, hint), format!("{}: no earlier comparison: {why}", path.display()))
     }
 
     /// A file that is not what a survey writes.
     pub(crate) fn no_survey(path: &Path, why: &str) -> Self {
-        let hint = "name a file that survey --json has written, or leave out --resume";
+        let hint = "name a file that abf survey --json has written, or leave out --resume";
         Self::new((FailureKind::NoSurvey, hint), format!("{}: no earlier survey: {why}", path.display()))
     }
 
@@ -161,8 +161,14 @@ impl Failure {
 
     /// A picture that cannot be drawn.
     pub(crate) fn picture(path: &Path, error: &PictureError) -> Self {
-        let hint = "leave out --png or --svg; the mesh and the figures do not depend on it";
+        let hint = "leave out --png, or leave out --svg; the mesh and the figures do not depend on it";
         Self::new((FailureKind::NoPicture, hint), format!("{}: {}", path.display(), chain(error)))
+    }
+
+    /// A picture that the user did not wait for.
+    pub(crate) fn picture_cancelled(path: &Path) -> Self {
+        let hint = "start it again to have it drawn";
+        Self::new((FailureKind::Cancelled, hint), format!("{}: {}", path.display(), abf::Cancelled))
     }
 
     /// Threads that the system does not give.

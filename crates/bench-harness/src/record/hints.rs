@@ -8,7 +8,7 @@ use abf::cut::RepairError;
 use abf::embed::EmbedError;
 use abf::reconstruct::LayoutError;
 use abf::solve_core::{LinearError, SolveError};
-use abf::{AtlasError, FlattenError, MetricsError, Termination, UnwrapError};
+use abf::{AtlasError, FlattenError, MetricsError, PackError, Termination, UnwrapError};
 use abf_mesh::io::{ReadError, WriteError};
 use abf_mesh::{DiskError, GeometryError, TopologyError};
 use std::io;
@@ -16,6 +16,13 @@ use std::path::Path;
 
 /// The kind of an error, and what to try next.
 pub(crate) type Hint = (FailureKind, &'static str);
+
+/// Between two things to try.
+pub(crate) const OR: &str = ", or ";
+/// Before them, after what is wrong.
+pub(crate) const TRY: &str = ": try ";
+/// Where everything has been tried.
+pub(crate) const NOTHING_ELSE: &str = "repair the mesh in a modelling program";
 
 const EXPORT_AGAIN: &str = "the file is damaged: export it again, or fetch it again";
 pub(crate) const REPORT: &str = "this should not happen: please report it with the file";
@@ -25,7 +32,10 @@ const MERGE: &str =
 /// For what is no disk where only disks are taken.
 const CHARTS: &str = "cut it into charts first: abf MESH -o charts.obj";
 
-const MORE_MEMORY: &str = "use a larger --max-memory, a coarser mesh or a larger machine";
+const MORE_MEMORY: &str = "use a larger --max-memory, or a coarser mesh, or a larger machine";
+
+/// For settings out of their range; the message names the setting and the range.
+const SETTING: Hint = (FailureKind::Setting, "give that setting a value in its range");
 
 /// For files that would take more memory than is allowed.
 pub(crate) const FILE_MEMORY: Hint = (FailureKind::Memory, MORE_MEMORY);
@@ -103,21 +113,23 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Topology(error) => topology(error),
         FlattenError::NotADisk(error) | FlattenError::Problem(ProblemError::NotADisk(error)) => disk(error),
         FlattenError::Problem(ProblemError::Setting(_))
-        | FlattenError::Solve { source: SolveError::Setting(_), .. } => (FailureKind::Setting, "change that option"),
+        | FlattenError::Solve { source: SolveError::Setting(_), .. } => SETTING,
         FlattenError::Problem(ProblemError::Angle { .. }) => (
             FailureKind::DegenerateAngle,
             "remove or improve the triangles without area, for example by merging vertices",
         ),
         FlattenError::Problem(_) => (FailureKind::Internal, REPORT),
         FlattenError::Solve { source: SolveError::Linear(error), .. } => linear(error),
-        FlattenError::Solve { .. } => (FailureKind::NoAngles, "try --solver lscm, which needs no angles"),
+        FlattenError::Solve { .. } => (FailureKind::NoAngles, "try --solver lscm, or --solver auto"),
         FlattenError::Layout(LayoutError::Linear { source, .. }) => linear(source),
         FlattenError::Layout(LayoutError::NotFinite { .. }) => {
-            (FailureKind::LayoutOverflow, "try --layout least-squares")
+            (FailureKind::LayoutOverflow, "try --layout least-squares, or --layout poisson")
         }
         FlattenError::Layout(LayoutError::NoBoundary) => (FailureKind::Closed, CHARTS),
         FlattenError::Layout(_) => (FailureKind::NoLayout, "try another --layout"),
-        FlattenError::LscmLayout(_) => (FailureKind::Setting, "take --layout least-squares or least-squares-weighted"),
+        FlattenError::LscmLayout(_) => {
+            (FailureKind::Setting, "take --layout least-squares, or --layout least-squares-weighted")
+        }
         FlattenError::Certificate(error) => metrics(error),
         FlattenError::Memory { leaner: Some(_), .. } => {
             (FailureKind::Memory, "try that solver, or a larger --max-memory")
@@ -129,7 +141,7 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Cancelled(_) | FlattenError::Descent(EmbedError::Interrupted(_)) => {
             (FailureKind::Cancelled, "start it again to have it flattened")
         }
-        _ => (FailureKind::NotFlattened, "try --solver lscm"),
+        _ => (FailureKind::NotFlattened, "try --solver lscm, or --solver auto"),
     }
 }
 
@@ -141,7 +153,7 @@ pub(crate) fn unwrap(error: &UnwrapError) -> Hint {
         }
         UnwrapError::Repair(_) => (FailureKind::BeyondRepair, "repair the mesh in a modelling program"),
         UnwrapError::NotClean { .. } => (FailureKind::NotClean, "leave out --strict to have it repaired"),
-        UnwrapError::Setting(_) => (FailureKind::Setting, "change that option"),
+        UnwrapError::Setting(_) => SETTING,
         UnwrapError::Chart { source, .. } | UnwrapError::Flatten(source) => flatten(source),
         _ => (FailureKind::Internal, REPORT),
     }
@@ -150,17 +162,37 @@ pub(crate) fn unwrap(error: &UnwrapError) -> Hint {
 /// For charts that cannot be packed.
 pub(crate) fn atlas(error: &AtlasError) -> Hint {
     match error {
-        AtlasError::Setting(_) => (FailureKind::Setting, "change that option"),
+        AtlasError::Setting(_) => SETTING,
         AtlasError::Labels { .. } => {
-            (FailureKind::NoMaterials, "this file has no materials: take --atlas one or per-component")
+            (FailureKind::NoMaterials, "take --atlas one, or --atlas per-component: this file has no materials")
         }
         AtlasError::TooManyCharts { .. } => {
-            (FailureKind::TooManyCharts, "use a larger --resolution or a smaller --margin")
+            (FailureKind::TooManyCharts, "use a larger --resolution, or a smaller --margin, or more --max-pages")
         }
-        AtlasError::Pack(_) => {
-            (FailureKind::NoRoom, "use a lower --texels-per-unit, more --max-pages or a larger --resolution")
-        }
+        AtlasError::Pack(error) => pack(error),
         AtlasError::Metrics(error) => metrics(error),
+        _ => (FailureKind::Internal, REPORT),
+    }
+}
+
+/// For pieces that cannot be packed.
+fn pack(error: &PackError) -> Hint {
+    match error {
+        PackError::Setting(_) => SETTING,
+        PackError::PageTooSmall { .. } => {
+            (FailureKind::PageTooSmall, "use a larger --resolution, or a smaller --margin")
+        }
+        PackError::PieceTooLarge { .. } => {
+            (FailureKind::ChartTooLarge, "use a lower --texels-per-unit, or a larger --resolution")
+        }
+        PackError::TooManyPages { .. } => {
+            (FailureKind::TooManyPages, "use more --max-pages, or a lower --texels-per-unit, or a larger --resolution")
+        }
+        PackError::TooManyPieces { .. } => {
+            (FailureKind::TooManyCharts, "use a larger --resolution, or a smaller --margin, or more --max-pages")
+        }
+        // The charts that are packed are finite and have points.
+        PackError::NotFinite { .. } | PackError::NoPoints { .. } => (FailureKind::Internal, REPORT),
         _ => (FailureKind::Internal, REPORT),
     }
 }
@@ -215,9 +247,7 @@ fn linear(error: &LinearError) -> Hint {
         LinearError::TooLarge { .. } | LinearError::OutOfMemory { .. } => {
             (FailureKind::OutOfMemory, "use a coarser mesh or a larger machine")
         }
-        _ => {
-            (FailureKind::LinearSolve, "improve the thinnest triangles, or try --angle-bound 0.01 or another --layout")
-        }
+        _ => (FailureKind::LinearSolve, "improve the thinnest triangles, or --angle-bound 0.01, or another --layout"),
     }
 }
 

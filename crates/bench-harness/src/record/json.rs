@@ -3,10 +3,9 @@
 use super::head::Head;
 use super::result::Record;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 /// The name of the JSON's format; the number goes up when a field changes its meaning.
-pub(crate) const SCHEMA: &str = "bench-harness/2";
+pub(crate) const SCHEMA: &str = "bench-harness/3";
 
 /// The document of every command but `survey`, which has more to say.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,15 +27,4 @@ pub(crate) fn pretty(document: &impl Serialize) -> String {
     let mut text = serde_json::to_string_pretty(document).expect("documents have text keys only");
     text.push('\n');
     text
-}
-
-/// The fields of a part of a record with their values as text, in their order. Fields without a value are left out.
-pub(crate) fn fields(part: &impl Serialize) -> Vec<(String, String)> {
-    let Ok(Value::Object(fields)) = serde_json::to_value(part) else { return Vec::new() };
-    let shown = |(name, value): (String, Value)| match value {
-        Value::Null => None,
-        Value::String(text) => Some((name, text)),
-        other => Some((name, other.to_string())),
-    };
-    fields.into_iter().filter_map(shown).collect()
 }

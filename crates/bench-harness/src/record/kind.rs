@@ -25,6 +25,8 @@ pub(crate) enum FailureKind {
     Cancelled,
     /// The file cannot be opened.
     CannotOpen,
+    /// At the scale given a chart is larger than a page.
+    ChartTooLarge,
     /// A header claims more than the file holds.
     ClaimTooLarge,
     /// The surface has no boundary.
@@ -109,6 +111,8 @@ pub(crate) enum FailureKind {
     OtherSettings,
     /// The system has no memory left.
     OutOfMemory,
+    /// The margins leave nothing of a page.
+    PageTooSmall,
     /// A face uses a vertex twice.
     RepeatedVertex,
     /// A setting is out of range, or does not go with the solver.
@@ -131,10 +135,10 @@ pub(crate) enum FailureKind {
     TooFewCorners,
     /// There is more than 32-bit indices can name.
     TooLarge,
-    /// The charts do not fit onto the pages at the scale given.
-    NoRoom,
     /// The charts do not fit into an atlas.
     TooManyCharts,
+    /// At the scale given the charts need more pages.
+    TooManyPages,
     /// Something else is wrong with the topology.
     Topology,
     /// A binary file ends too early.

@@ -6,14 +6,13 @@ mod change;
 pub(crate) mod failure;
 mod figure;
 mod head;
-mod hints;
+pub(crate) mod hints;
 pub(crate) mod history;
 mod json;
 pub(crate) mod kind;
 mod location;
 mod not_run;
 pub(crate) mod number;
-mod number_or_text;
 mod outcome;
 mod quality;
 #[cfg(test)]
@@ -27,10 +26,10 @@ mod text;
 mod times;
 
 pub(crate) use accuracy::InnerAccuracy;
-pub(crate) use atlas::{Atlas, Charted};
+pub(crate) use atlas::{Atlas, ChartSettings, Charted};
 pub(crate) use change::Change;
 pub(crate) use head::{Head, Machine, Program};
-pub(crate) use json::{Document, SCHEMA, fields, pretty, to_json};
+pub(crate) use json::{Document, SCHEMA, pretty, to_json};
 pub(crate) use not_run::NotRun;
 pub(crate) use outcome::Outcome;
 pub(crate) use quality::Quality;

@@ -7,7 +7,7 @@ use abf_mesh::{FaceId, VertexId};
 use serde::{Deserialize, Serialize};
 
 /// The figures of [`Metrics`] that the program reports, under the same names. A figure that is not finite is infinite.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Quality {
     /// Locally injective: no triangle flipped, none collapsed, no vertex wound around.
     pub(crate) valid: bool,

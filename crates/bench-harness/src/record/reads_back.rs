@@ -1,6 +1,6 @@
 //! Everything that is written reads back as it was.
 
-use super::atlas::{Atlas, Charted};
+use super::atlas::{Atlas, ChartSettings, Charted};
 use super::change::Change;
 use super::failure::Failure;
 use super::head::Head;
@@ -11,17 +11,42 @@ use super::location::Location;
 use super::not_run::NotRun;
 use super::quality::Quality;
 use super::result::Record;
-use super::run::{Limits, Run, Rung};
+use super::run::{Limits, Run, Rung, Solved};
 use super::settings::Asked;
 use super::size::{Kkt, Size};
 use super::surveyed::{About, Counts, FileState, LogHead, MadeWith, SurveyDocument, Surveyed};
 use super::times::{Repeats, Stages, Timings};
-use abf::{IterationRecord, LayoutKind, Pipeline, Precision, Solver, SolverKind, Termination, flatten};
+use abf::constraints::AngleProblem;
+use abf::solve_core::SolveError;
+use abf::{
+    AngleSolution, AngleSolver, IterationRecord, LayoutKind, Observer, Pipeline, Precision, Silent, Solver, SolverKind,
+    StopCriteria, SurfaceHints, Termination, Unwrap, flatten,
+};
 use proptest::prelude::*;
 use proptest::test_runner::TestRng;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 use std::fmt::Debug;
+use std::time::Duration;
+
+/// A solver of someone's own: it takes the target angles as they are.
+struct Own;
+
+impl AngleSolver for Own {
+    fn name(&self) -> &'static str {
+        "someone's own"
+    }
+
+    fn solve(
+        &self,
+        problem: &AngleProblem<'_>,
+        _: &StopCriteria,
+        _: &mut dyn Observer,
+    ) -> Result<AngleSolution, SolveError> {
+        Ok(AngleSolution::measure(problem, problem.target().to_vec(), Termination::OnePass, Vec::new()))
+    }
+}
 
 /// What a record may be made of.
 struct Dice(TestRng);
@@ -83,27 +108,19 @@ impl Dice {
         }
     }
 
+    /// The settings of a solver of ours, or of someone's own.
     fn asked(&mut self) -> Asked {
-        let solver = self.one_of(&Solver::all());
-        let asked = Asked::new(&Pipeline { solver, ..Pipeline::default() });
-        Asked {
-            passes: self.maybe(|dice| dice.one_of(&["auto", "3"]).parse().expect("passes")),
-            inner_tolerance: self.maybe(|dice| match dice.yes() {
-                true => "auto".parse().expect("a tolerance"),
-                false => dice.number().to_string().parse().expect("a tolerance"),
-            }),
-            max_inner_iterations: self.maybe(Self::count),
-            barrier_floor: self.maybe(Self::number),
-            layout: self.one_of(&LayoutKind::ALL),
-            ring_switch: self.maybe(Self::number),
-            angle_bound: self.number(),
-            tolerance: self.number(),
-            max_iterations: self.count(),
-            time_limit_s: self.maybe(Self::number),
-            normalize: self.yes(),
-            threads: self.count(),
-            ..asked
-        }
+        let ours = Solver::all();
+        let solver = if self.yes() { Solver::custom(Own) } else { self.one_of(&ours) };
+        let mut pipeline = Pipeline { solver, normalize: self.yes(), ..Pipeline::default() };
+        pipeline.layout.kind = self.one_of(&LayoutKind::ALL);
+        pipeline.estimate.ring_switch = self.maybe(Self::number);
+        pipeline.stop.tolerance = self.number();
+        pipeline.stop.time_limit = self.maybe(|dice| Duration::from_nanos(dice.0.next_u64()));
+        pipeline.max_memory = self.maybe(|dice| dice.0.next_u64());
+        let mut asked = Asked::new(&pipeline);
+        asked.threads = self.count();
+        asked
     }
 
     fn rung(&mut self) -> Rung {
@@ -116,14 +133,17 @@ impl Dice {
             collapsed: self.count(),
             wound: self.count(),
             f: self.maybe(Self::number),
-            time_s: self.number(),
+            time_s: self.maybe(Self::number),
             error: self.maybe(Self::text),
         }
     }
 
     fn run(&mut self) -> Run {
-        Run {
-            settings: self.asked(),
+        Run { settings: self.asked(), solved: self.solved() }
+    }
+
+    fn solved(&mut self) -> Solved {
+        Solved {
             solved_by: self.solver(),
             rungs: self.some(Self::rung),
             termination: self.termination(),
@@ -160,8 +180,7 @@ impl Dice {
             component: self.count(),
             page: self.count(),
             triangles: self.count(),
-            solved_by: self.solver(),
-            termination: self.termination(),
+            solved: self.solved(),
             valid: self.yes(),
             injective: self.yes(),
             f: self.figure(),
@@ -175,7 +194,10 @@ impl Dice {
     }
 
     fn atlas(&mut self) -> Atlas {
+        let unwrap = Unwrap { max_seam: self.maybe(Self::number), ..Unwrap::default() };
+        let packing = abf::Atlas { texels_per_unit: self.maybe(Self::number), ..abf::Atlas::default() };
         Atlas {
+            settings: ChartSettings::new(&unwrap, &packing),
             charts: self.some(Self::chart),
             pages: self.count(),
             resolution: 1024,
@@ -191,42 +213,25 @@ impl Dice {
         }
     }
 
+    /// Every count and figure by the kind of its value, so that a new one is rolled, too.
     fn quality(&mut self) -> Quality {
-        let [f, f_weighted, max_angle_error, stretch_l2, stretch_linf, qc_mean] = [(); 6].map(|()| self.figure());
-        let [qc_max, area_l2, uv_area, surface_area, touch_depth, uv_angle_min, uv_angle_max] =
-            [(); 7].map(|()| self.figure());
+        let Ok(Value::Object(mut fields)) = serde_json::to_value(Quality::default()) else { panic!("no object") };
+        for value in fields.values_mut() {
+            match value {
+                Value::Bool(yes) => *yes = self.yes(),
+                Value::Number(count) if count.is_u64() => *value = self.count().into(),
+                // A figure that is infinite is `null`.
+                Value::Number(_) => *value = self.figure().into(),
+                _ => {}
+            }
+        }
         Quality {
-            valid: self.yes(),
-            injective: self.yes(),
-            flips: self.count(),
-            collapsed: self.count(),
-            near_collapsed: self.count(),
-            wound: self.count(),
-            overlaps: self.count(),
-            crossings: self.count(),
-            meetings: self.count(),
-            nested: self.count(),
-            touches: self.count(),
-            degenerate_3d: self.count(),
-            charts: self.count(),
-            f,
-            f_weighted,
-            max_angle_error,
-            stretch_l2,
-            stretch_linf,
-            qc_mean,
-            qc_max,
-            area_l2,
-            uv_area,
-            surface_area,
-            touch_depth,
-            uv_angle_min,
-            uv_angle_max,
             flipped_faces: self.some(Self::count),
             collapsed_faces: self.some(Self::count),
             wound_vertices: self.some(Self::count),
             overlapping_faces: self.some(|dice| [dice.count(), dice.count()]),
             uv_precision: self.one_of(&[Precision::Single, Precision::Double]),
+            ..serde_json::from_value(Value::Object(fields)).expect("the same fields")
         }
     }
 
@@ -400,4 +405,57 @@ fn the_record_of_a_flattening_reads_back_equal_and_a_figure_without_a_value_is_i
     let record = Record { mesh: "a".to_owned(), run, quality: Some(quality), ..Record::default() };
     reads_back(&record);
     assert!(pretty(&record).contains("\"stretch_linf\": null"));
+}
+
+#[test]
+fn a_solver_of_someones_own_is_shown_by_name_and_its_record_reads_back_equal() {
+    let pipeline = Pipeline { solver: Solver::custom(Own), ..Pipeline::default() };
+    let mesh = abf_shapes::Shape::Hemisphere.mesh(100);
+    let flat = pipeline.run(&mesh, &mut Silent).expect("a disk");
+    let run = Run::new(&pipeline, &flat, &[]);
+    let record = Record {
+        mesh: "a".to_owned(),
+        solver: Some(pipeline.solver.name().to_owned()),
+        quality: Some(Quality::new(&flat.metrics(&mesh).expect("metrics"))),
+        run: Some(run),
+        ..Record::default()
+    };
+    reads_back(&record);
+    let json = serde_json::to_value(&record).expect("text keys");
+    assert_eq!((&json["solver"], &json["solved_by"]), (&"someone's own".into(), &"someone's own".into()), "{json}");
+    assert_eq!(json["settings"]["solver"], serde_json::json!({"custom": "someone's own"}));
+    let settings = &record.run.as_ref().expect("a run").settings;
+    assert_eq!((settings.solver(), settings.pipeline()), (None, Some(Pipeline::default())));
+}
+
+#[test]
+fn charts_say_what_a_disk_says_and_all_of_them_together() {
+    let pipeline = Pipeline { solver: "abf++".parse().expect("ours"), ..Pipeline::default() };
+    let unwrap = Unwrap { pipeline, ..Unwrap::default() };
+    let mesh = abf_shapes::Shape::Hemisphere.mesh(400);
+    // Twice, side by side.
+    let n = mesh.vertex_count();
+    let far = mesh.positions().iter().map(|p| p + abf_mesh::Vector3::new(9.0, 0.0, 0.0));
+    let faces = mesh.faces().iter().map(|face| face.map(abf_mesh::VertexId::index));
+    let twice: Vec<[usize; 3]> = faces.clone().chain(faces.map(|face| face.map(|v| v + n))).collect();
+    let positions = mesh.positions().iter().copied().chain(far).collect();
+    let two = abf_mesh::TriMesh::new(positions, &twice).expect("indices in range");
+    let unwrapped = unwrap.run(&two, &SurfaceHints::default(), &mut Silent).expect("charts");
+    let charts: Vec<Solved> = unwrapped.charts.iter().map(|chart| Solved::of_chart(&unwrap.pipeline, chart)).collect();
+    assert!(charts.len() >= 2, "{}", charts.len());
+    let all = Run::of_charts(&unwrap.pipeline, charts.iter()).expect("charts");
+    assert!(all.iterations > 0 && all.iterations == charts.iter().map(|chart| chart.iterations).sum::<usize>());
+    let residuals = charts.iter().filter_map(|chart| chart.constraint_residual);
+    assert_eq!(all.constraint_residual, residuals.reduce(f64::max), "{all:?}");
+    assert_eq!((all.termination, all.solved_by.as_str()), (Termination::Converged, "abf++"), "{all:?}");
+    reads_back(&all);
+    let disk = Run::new(&unwrap.pipeline, &unwrap.pipeline.run(&mesh, &mut Silent).expect("a disk"), &[]);
+    let fields =
+        |run: &dyn Fn() -> serde_json::Value| run().as_object().map(|all| all.keys().cloned().collect::<Vec<_>>());
+    let of_disk = fields(&|| serde_json::to_value(&disk).expect("text keys"));
+    assert_eq!(fields(&|| serde_json::to_value(&all).expect("text keys")), of_disk);
+    for chart in &charts {
+        let own = fields(&|| serde_json::to_value(chart).expect("text keys"));
+        assert_eq!(own.map(|own| own.len() + 1), of_disk.as_ref().map(Vec::len), "all but the settings");
+    }
 }

@@ -25,7 +25,7 @@ pub(crate) struct Record {
     /// The solver's name; none where no solver is to blame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) solver: Option<String>,
-    /// What the solver and the layout did.
+    /// What the solver and the layout did; of charts, all together.
     #[serde(flatten)]
     pub(crate) run: Option<Run>,
     /// The charts, where the mesh was cut into some.
@@ -93,8 +93,7 @@ impl Record {
 
     /// How the solver ended; of several charts, on the first that did not go as asked.
     pub(crate) fn termination(&self) -> Option<abf::Termination> {
-        let of_charts = || self.atlas.as_ref().and_then(Atlas::termination);
-        self.run.as_ref().map(|run| run.termination).or_else(of_charts)
+        self.run.as_ref().map(|run| run.termination)
     }
 
     /// Whether the user stopped it.

@@ -5,18 +5,28 @@ use super::settings::Asked;
 use super::text;
 use crate::record::failure::chain;
 use abf::{
-    AngleSolution, Flattening, Hessian, IterationRecord, LayoutKind, Pipeline, RungReport, Termination, WheelForm,
+    Flattening, Hessian, LayoutKind, LayoutReport, Pipeline, PrecisionLimits, RungReport, SolveReport, SolverKind,
+    Termination, UnwrappedChart, WheelForm,
 };
 use serde::{Deserialize, Serialize};
+use std::ops::Deref;
 
 /// What was asked of the solver and the layout, and what they did.
-///
-/// `None` where no angles are solved for, if nothing else is said.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Run {
     /// What it was asked.
     pub(crate) settings: Asked,
-    /// Whose result it is: with `auto` the solver it came to.
+    /// What it did; of a mesh in charts, all of them together.
+    #[serde(flatten)]
+    pub(crate) solved: Solved,
+}
+
+/// What the solver and the layout did on one disk, or on all charts of a mesh.
+///
+/// `None` where no angles are solved for, if nothing else is said.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Solved {
+    /// Whose result it is: with `auto` the solver it came to; the names of several with commas.
     pub(crate) solved_by: String,
     /// What `auto` tried, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -87,15 +97,24 @@ pub(crate) struct Rung {
     pub(crate) wound: usize,
     /// `F / 3nt` of its UVs, rad²; `None` where there was nothing to compare it with.
     pub(crate) f: Option<f64>,
-    /// How long it took with its layout and its certificate, seconds.
-    pub(crate) time_s: f64,
+    /// How long it took with its layout and its certificate, seconds; absent of charts, which are worked on side by side.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) time_s: Option<f64>,
     /// Why it found nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) error: Option<String>,
 }
 
+impl Deref for Run {
+    type Target = Solved;
+
+    fn deref(&self) -> &Solved {
+        &self.solved
+    }
+}
+
 impl Rung {
-    fn new(report: &RungReport, time_s: f64) -> Self {
+    fn new(report: &RungReport, time_s: Option<f64>) -> Self {
         Self {
             solver: report.solver.to_string(),
             termination: report.termination,
@@ -130,50 +149,115 @@ pub(crate) struct Limits {
 impl Run {
     /// The report of a flattening; the rungs took so long.
     pub(crate) fn new(pipeline: &Pipeline, flat: &Flattening, rung_seconds: &[f64]) -> Self {
-        let solution = flat.solution.as_ref();
-        let history = solution.map_or(&[][..], AngleSolution::history);
-        let last = history.last();
-        let settings = Asked::new(pipeline);
-        let has_a_fixed_target = flat.solver.finds_angles() && !flat.solver.makes_passes();
-        let seconds = rung_seconds.iter().copied().chain(std::iter::repeat(0.0));
-        let is_diagonal = (settings.wheel, settings.hessian) != (Some(WheelForm::Product), Some(Hessian::Exact));
+        let seconds = rung_seconds.iter().copied().map(Some).chain(std::iter::repeat(None));
+        let rungs = flat.rungs.iter().zip(seconds).map(|(rung, time_s)| Rung::new(rung, time_s)).collect();
+        let (report, layout) = (flat.solve_report(), &flat.layout);
+        let solved = Solved::new(pipeline, (flat.solver, flat.termination), &report, layout, rungs);
+        let precision_limits = flat.precision_limits.as_ref().map(Limits::new);
+        Self { settings: Asked::new(pipeline), solved: Solved { precision_limits, ..solved } }
+    }
+
+    /// The report of a mesh in charts; `None` where there are none.
+    pub(crate) fn of_charts<'a>(pipeline: &Pipeline, charts: impl Iterator<Item = &'a Solved>) -> Option<Self> {
+        let solved = charts.cloned().reduce(Solved::and)?;
+        Some(Self { settings: Asked::new(pipeline), solved })
+    }
+}
+
+impl Limits {
+    fn new(limits: &PrecisionLimits) -> Self {
         Self {
-            settings,
-            solved_by: flat.solver.to_string(),
-            rungs: flat.rungs.iter().zip(seconds).map(|(rung, time_s)| Rung::new(rung, time_s)).collect(),
-            termination: flat.termination,
-            constraint_residual: finite(solution.map(AngleSolution::constraint_residual)),
-            angles_out_of_range: solution.map(AngleSolution::angles_out_of_range),
-            energy: finite(solution.filter(|_| has_a_fixed_target).map(AngleSolution::energy)),
-            iterations: solution.map_or(0, AngleSolution::iterations),
-            inner_iterations: solution.map_or(0, AngleSolution::inner_iterations),
-            inner_residual: finite(last.and_then(IterationRecord::solved_to)),
-            inner_residual_worst: finite(history.iter().filter_map(IterationRecord::solved_to).reduce(worse)),
-            inner_estimate: finite(last.and_then(|record| record.inner_estimate)),
-            inner_unconverged: history.iter().filter(|record: &&IterationRecord| !record.inner_converged).count(),
-            negative_curvature: solution.filter(|_| is_diagonal).map(AngleSolution::negative_curvature),
-            fallbacks: solution.map(AngleSolution::fallbacks),
-            moved_angles: solution.map_or(0, AngleSolution::moved_angles) + flat.layout.moved_angles,
-            switched_rings: flat.switched_rings,
-            shapeless_faces: flat.shapeless_faces,
-            layout: flat.layout.kind,
-            closing_error: finite(flat.layout.closing_error),
-            pinned: flat.layout.pinned,
-            scaled: flat.layout.scaled,
-            precision_limits: flat.precision_limits.as_ref().map(|limits| Limits {
-                near_collapsed: limits.near_collapsed,
-                near_collapsed_faces: limits.near_collapsed_faces.iter().map(|face| face.index()).collect(),
-                held_faces: limits.held_faces,
-                first_held_faces: limits.first_held_faces.iter().map(|face| face.index()).collect(),
-                spread: known(limits.spread),
-            }),
+            near_collapsed: limits.near_collapsed,
+            near_collapsed_faces: limits.near_collapsed_faces.iter().map(|face| face.index()).collect(),
+            held_faces: limits.held_faces,
+            first_held_faces: limits.first_held_faces.iter().map(|face| face.index()).collect(),
+            spread: known(limits.spread),
         }
     }
 }
 
-/// The larger of two, NaN being the largest.
-fn worse(a: f64, b: f64) -> f64 {
-    if a > b || a.is_nan() { a } else { b }
+impl Solved {
+    /// What became of a chart.
+    pub(crate) fn of_chart(pipeline: &Pipeline, chart: &UnwrappedChart) -> Self {
+        let rungs = chart.rungs.iter().map(|rung| Rung::new(rung, None)).collect();
+        Self::new(pipeline, (chart.solver, chart.termination), &chart.solve, &chart.layout, rungs)
+    }
+
+    fn new(
+        pipeline: &Pipeline,
+        (solver, termination): (SolverKind, Termination),
+        report: &SolveReport,
+        layout: &LayoutReport,
+        rungs: Vec<Rung>,
+    ) -> Self {
+        let newton = pipeline.solver.newton_settings();
+        let is_diagonal = newton.is_none_or(|n| (n.wheel, n.hessian) != (WheelForm::Product, Hessian::Exact));
+        Self {
+            solved_by: solver.to_string(),
+            rungs,
+            termination,
+            constraint_residual: finite(report.constraint_residual),
+            angles_out_of_range: report.angles_out_of_range,
+            energy: finite(report.energy),
+            iterations: report.iterations,
+            inner_iterations: report.inner_iterations,
+            inner_residual: finite(report.inner_residual),
+            inner_residual_worst: finite(report.inner_residual_worst),
+            inner_estimate: finite(report.inner_estimate),
+            inner_unconverged: report.inner_unconverged,
+            negative_curvature: report.negative_curvature.filter(|_| is_diagonal),
+            fallbacks: report.fallbacks,
+            moved_angles: report.moved_angles,
+            switched_rings: report.switched_rings,
+            shapeless_faces: report.shapeless_faces,
+            layout: layout.kind,
+            closing_error: finite(layout.closing_error),
+            pinned: layout.pinned,
+            scaled: layout.scaled,
+            precision_limits: None,
+        }
+    }
+
+    /// Both together: counts and energies add up, of residuals the larger one counts, and of endings the first that is not
+    /// as asked.
+    fn and(mut self, other: Self) -> Self {
+        if !self.solved_by.split(", ").any(|name| name == other.solved_by) {
+            self.solved_by = format!("{}, {}", self.solved_by, other.solved_by);
+        }
+        let ends_as = if self.termination.is_as_asked() && !other.termination.is_as_asked() { &other } else { &self };
+        Self {
+            termination: ends_as.termination,
+            solved_by: self.solved_by,
+            rungs: Vec::new(),
+            constraint_residual: joined(self.constraint_residual, other.constraint_residual, f64::max),
+            angles_out_of_range: joined(self.angles_out_of_range, other.angles_out_of_range, |a, b| a + b),
+            energy: joined(self.energy, other.energy, |a, b| a + b),
+            iterations: self.iterations + other.iterations,
+            inner_iterations: self.inner_iterations + other.inner_iterations,
+            inner_residual: joined(self.inner_residual, other.inner_residual, f64::max),
+            inner_residual_worst: joined(self.inner_residual_worst, other.inner_residual_worst, f64::max),
+            inner_estimate: joined(self.inner_estimate, other.inner_estimate, f64::max),
+            inner_unconverged: self.inner_unconverged + other.inner_unconverged,
+            negative_curvature: joined(self.negative_curvature, other.negative_curvature, usize::max),
+            fallbacks: joined(self.fallbacks, other.fallbacks, |a, b| a + b),
+            moved_angles: self.moved_angles + other.moved_angles,
+            switched_rings: self.switched_rings + other.switched_rings,
+            shapeless_faces: self.shapeless_faces + other.shapeless_faces,
+            layout: self.layout.filter(|&kind| other.layout == Some(kind)),
+            closing_error: joined(self.closing_error, other.closing_error, f64::max),
+            pinned: self.pinned && other.pinned,
+            scaled: self.scaled && other.scaled,
+            precision_limits: None,
+        }
+    }
+}
+
+/// Of two values both, of one that one.
+fn joined<T>(one: Option<T>, other: Option<T>, both: impl FnOnce(T, T) -> T) -> Option<T> {
+    match (one, other) {
+        (Some(one), Some(other)) => Some(both(one, other)),
+        (one, other) => one.or(other),
+    }
 }
 
 /// What JSON can say of a number; one that is not finite says nothing.

@@ -1,7 +1,6 @@
 //! One mesh of a survey, and the survey as a whole: as they are written, shown and read again.
 
 use super::head::{Head, Program};
-use super::json::fields;
 use super::kind::Refused;
 use super::outcome::Outcome;
 use super::result::Record;
@@ -55,7 +54,7 @@ impl MadeWith {
         let listed = |of: &Self| {
             let mut all = vec![("version of the program".to_owned(), of.program.version.clone())];
             all.push(("solver".to_owned(), of.solver.clone()));
-            all.extend(fields(&of.settings).into_iter().filter(|(name, _)| name != "threads"));
+            all.extend(of.settings.listed());
             all.push(("disks_only".to_owned(), of.disks_only.to_string()));
             all.into_iter().collect::<Vec<_>>()
         };
@@ -169,14 +168,15 @@ mod tests {
         let tight = StopCriteria { tolerance: 1e-9, ..StopCriteria::default() };
         for (other, expected) in [
             (Pipeline { solver: LinAbf::default().into(), ..Pipeline::default() }, ["solver", "auto", "linabf"]),
-            (Pipeline { solver: one_pass.into(), ..Pipeline::default() }, ["passes", "auto", "1"]),
-            (Pipeline { stop: tight, ..Pipeline::default() }, ["tolerance", "1e-8", "1e-9"]),
+            (Pipeline { solver: one_pass.into(), ..Pipeline::default() }, ["linabf.passes", "auto", "1"]),
+            (Pipeline { stop: tight, ..Pipeline::default() }, ["stop.tolerance", "1e-8", "1e-9"]),
             (Pipeline { normalize: true, ..Pipeline::default() }, ["normalize", "false", "true"]),
         ] {
             assert_eq!(plain.difference(&made_with(&other)), Some(expected.map(str::to_owned)));
         }
         assert_eq!(plain.difference(&plain), None);
-        let threads = Asked { threads: plain.settings.threads + 1, ..plain.settings };
+        let mut threads = plain.settings.clone();
+        threads.threads += 1;
         assert_eq!(plain.difference(&MadeWith { settings: threads, ..plain.clone() }), None);
         let old = MadeWith { program: Program { version: "0.0.9".to_owned(), ..Program::this() }, ..plain.clone() };
         let (before, now) = ("0.0.9".to_owned(), Program::this().version);

@@ -48,6 +48,12 @@ impl Cancel {
         self.0.load(Ordering::Relaxed) > 0
     }
 
+    /// What work asks that has no best so far: whether the user has asked to stop since it began.
+    pub(crate) fn since_now(&self) -> impl FnMut() -> Result<(), abf::Cancelled> + '_ {
+        let before = self.0.load(Ordering::Relaxed);
+        move || if self.0.load(Ordering::Relaxed) > before { Err(abf::Cancelled) } else { Ok(()) }
+    }
+
     /// What a solver is told.
     pub(crate) fn verdict(&self) -> Verdict {
         match self.0.load(Ordering::Relaxed) {

@@ -4,10 +4,13 @@ use crate::cli::args::SeamsFrom;
 use crate::cli::charts::Charting;
 use crate::record::failure::Failure;
 use crate::record::number::count;
-use crate::record::{Atlas as AtlasRecord, Charted};
+use crate::record::{Atlas as AtlasRecord, ChartSettings, Charted};
 use crate::run::load::Loaded;
 use abf::cut::RepairReport;
-use abf::{AtlasPages, Observer, Packed, Pipeline, Precision, Stored, SurfaceHints, Unwrap, Unwrapped};
+use abf::{
+    Atlas, AtlasPages, Observer, Packed, Pipeline, Placement, Precision, Stored, SurfaceHints, Unwrap, Unwrapped,
+    UnwrappedChart,
+};
 use abf_mesh::io::stored_uv;
 use std::time::Instant;
 
@@ -59,11 +62,11 @@ pub(crate) fn charts(
     };
     let packed = charting.atlas.pack(mesh, &unwrapped, known.materials.as_deref(), stored);
     let packed = packed.map_err(|error| Failure::atlas(&loaded.name, &error))?;
-    let record = record(charting, &unwrapped, &packed);
+    let record = record(&unwrap, &charting.atlas, &unwrapped, &packed);
     Ok(Charts { packed, record, seams: unwrapped.seams, charts_s })
 }
 
-fn record(charting: &Charting, unwrapped: &Unwrapped, packed: &Packed) -> AtlasRecord {
+fn record(unwrap: &Unwrap, atlas: &Atlas, unwrapped: &Unwrapped, packed: &Packed) -> AtlasRecord {
     let repairs: &RepairReport = &unwrapped.repairs;
     let mut said = repairs.sentences();
     if unwrapped.without_area > 0 {
@@ -79,18 +82,20 @@ fn record(charting: &Charting, unwrapped: &Unwrapped, packed: &Packed) -> AtlasR
             count(dropped, "face", "faces")
         ));
     }
+    let charted = |(chart, at): (&UnwrappedChart, &Placement)| Charted::new(&unwrap.pipeline, chart, at);
     AtlasRecord {
-        charts: unwrapped.charts.iter().zip(&packed.placements).map(|(chart, at)| Charted::new(chart, at)).collect(),
+        settings: ChartSettings::new(unwrap, atlas),
+        charts: unwrapped.charts.iter().zip(&packed.placements).map(charted).collect(),
         pages: packed.pages,
-        resolution: charting.atlas.resolution,
-        margin: charting.atlas.margin,
+        resolution: atlas.resolution,
+        margin: atlas.margin,
         texels_per_unit: packed.texels_per_unit,
         coverage: packed.coverage,
         seam_edges: unwrapped.seams.len(),
         seam_length: unwrapped.seam_length,
         diagonal: unwrapped.diagonal,
-        max_stretch: charting.unwrap.max_stretch,
-        is_bound: charting.unwrap.max_seam.is_none(),
+        max_stretch: unwrap.max_stretch,
+        is_bound: unwrap.max_seam.is_none(),
         repairs: said,
     }
 }

@@ -155,6 +155,7 @@ fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Can
     let elapsed = begin.elapsed().as_secs_f64();
     record.size = Some(Size::of(loaded.mesh(), None));
     record.notes.extend(atlas.repairs.iter().cloned());
+    record.run = Run::of_charts(&method.pipeline, atlas.charts.iter().map(|chart| &chart.solved));
     record.atlas = Some(atlas);
     record.quality = Some(Quality::new(&packed.metrics));
     record.timings_s = Some(Timings {

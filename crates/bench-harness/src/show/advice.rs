@@ -1,8 +1,12 @@
 //! What to try next when a result is not what was hoped for.
 
+use crate::record::hints::{OR, TRY};
 use crate::record::number::{count, significant};
-use crate::record::{Asked, Outcome, Record, Run, Rung};
-use abf::{Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, Termination};
+use crate::record::{Outcome, Record, Run, Rung};
+use abf::{
+    Hessian, IterativeSettings, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, SolverKind,
+    Termination,
+};
 
 /// The threshold that the paper recommends (§4.2), rad.
 const USUAL_RING_SWITCH: f64 = 1.0;
@@ -36,7 +40,7 @@ pub(crate) fn next_to_try(record: &Record, may_cut: bool) -> Option<String> {
     let mut tries = tries(solver, run);
     tries.truncate(SUGGESTIONS);
     let what = what.join(", ");
-    Some(if tries.is_empty() { what } else { format!("{what}: try {}", tries.join(", or ")) })
+    Some(if tries.is_empty() { what } else { format!("{what}{TRY}{}", tries.join(OR)) })
 }
 
 /// What there is to say about a result that is not as asked: what happened, and what to try.
@@ -92,22 +96,28 @@ fn rung(rung: &Rung) -> String {
     }
 }
 
-/// What to try next with charts that are not as asked.
+/// What to try next with charts that are not as asked. In an atlas, disks are cut, too: nothing more is to be cut there.
 pub(crate) fn next_for_charts(record: &Record) -> Option<String> {
     let atlas = record.atlas.as_ref()?;
-    let termination = atlas.termination()?;
-    if termination == Termination::TimeLimit {
-        return Some("give it a longer --time-limit: it is one for all charts".to_owned());
+    let termination = record.termination()?;
+    let what = match termination {
+        Termination::Cancelled => return None,
+        Termination::TimeLimit => "out of time",
+        _ if atlas.charts.iter().any(|chart| !chart.valid) || record.quality.as_ref().is_some_and(|q| !q.valid) => {
+            "not valid"
+        }
+        _ if !termination.is_as_asked() => "not converged",
+        _ => return stretched(record, true),
+    };
+    let mut tries = match termination {
+        Termination::TimeLimit => vec!["a longer --time-limit, which is one for all charts"],
+        _ if what == "not valid" => vec!["an obj or ply, which hold doubles: a glTF does not"],
+        _ => vec!["more --max-iterations"],
+    };
+    if termination != Termination::TimeLimit && !atlas.settings.cuts_disks() {
+        tries.insert(0, "--cut-disks, which cuts disks, too, where they stretch");
     }
-    if atlas.charts.iter().any(|chart| !chart.valid) || record.quality.as_ref().is_some_and(|quality| !quality.valid) {
-        let hint =
-            "try --cut-disks, which cuts disks, too, where they stretch; an obj or ply holds doubles, a glTF does not";
-        return Some(hint.to_owned());
-    }
-    if !termination.is_as_asked() {
-        return Some("try more --max-iterations, or --cut-disks".to_owned());
-    }
-    stretched(record, true)
+    Some(format!("{what}{TRY}{}", tries.join(OR)))
 }
 
 /// What to try with a map that is valid and of little use.
@@ -117,9 +127,13 @@ fn stretched(record: &Record, may_cut: bool) -> Option<String> {
     let stretch = record.quality.as_ref()?.stretch_l2;
     (stretch > OF_LITTLE_USE).then(|| {
         let stretch = significant(stretch, 2);
-        let way_out =
-            if may_cut { "--cut-disks cuts the mesh where it stretches" } else { "cut the mesh where it stretches" };
-        format!("an L2 stretch of {stretch} is of little use: {way_out}")
+        let is_cut = record.atlas.as_ref().is_some_and(|atlas| atlas.settings.cuts_disks());
+        let way_out = match (may_cut, is_cut) {
+            (true, false) => "--cut-disks, which cuts the mesh where it stretches",
+            (true, true) => "a smaller --max-stretch",
+            (false, _) => "to cut the mesh where it stretches",
+        };
+        format!("an L2 stretch of {stretch} is of little use{TRY}{way_out}")
     })
 }
 
@@ -184,70 +198,74 @@ fn inner_shortfall(run: &Run) -> Option<String> {
 
 /// Options that differ from what was asked, the most promising first.
 fn tries(solver: &str, run: &Run) -> Vec<String> {
-    let asked = &run.settings;
+    let Some(asked) = run.settings.pipeline() else { return Vec::new() };
+    // A solver of someone's own takes none of the options of ours.
+    let own = run.settings.solver();
     if solver == SolverKind::Lscm.name() {
         return vec![format!("--solver {}", SolverKind::Auto)];
     }
-    let has_inner_settings = asked.max_inner_iterations.is_some();
-    if has_inner_settings && run.inner_unconverged > 0 && !run.termination.is_as_asked() {
-        return stronger_inner_solve(asked);
+    let iterative = own.as_ref().and_then(|solver| solver.iterative_settings());
+    if let Some(iterative) = iterative.filter(|_| run.inner_unconverged > 0 && !run.termination.is_as_asked()) {
+        return stronger_inner_solve(iterative);
     }
-    let makes_exact_passes = asked.passes.is_some_and(|passes| passes != Passes::Auto);
+    let passes = own.as_ref().and_then(|solver| solver.passes());
+    let makes_exact_passes = passes.is_some_and(|passes| passes != Passes::Auto);
     match run.termination {
         Termination::TimeLimit => vec!["a longer --time-limit".to_owned()],
         Termination::MaxIterations if !makes_exact_passes => {
-            vec![format!("--max-iterations {}", 2 * asked.max_iterations)]
+            vec![format!("--max-iterations {}", 2 * asked.stop.max_iterations)]
         }
         Termination::Cancelled => Vec::new(),
         _ if run.solved_by == SolverKind::Descent.name() || !run.rungs.is_empty() => vec![longer_seam()],
-        ending if asked.passes.is_some() => other_passes(asked, run.layout, ending),
-        ending => other_steps(solver, asked, ending),
+        ending => match passes {
+            Some(passes) => other_passes(passes, &asked, run.layout, ending),
+            None => other_steps(solver, &asked, ending),
+        },
     }
 }
 
 /// For inner solves that broke off.
-fn stronger_inner_solve(asked: &Asked) -> Vec<String> {
+fn stronger_inner_solve(asked: IterativeSettings) -> Vec<String> {
     let mut tries = Vec::new();
-    let best = (Some(Reduction::Triangles), Some(PreconditionerKind::Block));
+    let best = (Reduction::Triangles, PreconditionerKind::Block);
     if (asked.reduction, asked.preconditioner) != best {
         tries.push(format!("--reduction {} --preconditioner {}", Reduction::Triangles, PreconditionerKind::Block));
     }
-    tries
-        .extend(asked.max_inner_iterations.map(|limit| format!("--max-inner-iterations {}", limit.saturating_mul(10))));
+    tries.push(format!("--max-inner-iterations {}", asked.max_inner_iterations.saturating_mul(10)));
     tries
 }
 
 /// For the solver that makes passes.
-fn other_passes(asked: &Asked, used: Option<LayoutKind>, termination: Termination) -> Vec<String> {
+fn other_passes(passes: Passes, asked: &Pipeline, used: Option<LayoutKind>, termination: Termination) -> Vec<String> {
     let mut tries = Vec::new();
-    if asked.passes != Some(Passes::Auto) {
+    if passes != Passes::Auto {
         tries.push("--passes auto".to_owned());
     }
     match ring_switch(asked) {
-        Some(switch) if asked.ring_switch.is_none() => tries.insert(0, switch),
+        Some(switch) if asked.estimate.ring_switch.is_none() => tries.insert(0, switch),
         Some(switch) => tries.push(switch),
         None => {}
     }
     if termination == Termination::Converged {
         tries.push(longer_seam());
-    } else if asked.passes == Some(Passes::Auto)
-        && (Some(asked.layout) != used || used != Some(LayoutKind::LeastSquares))
-    {
+    } else if passes == Passes::Auto && (Some(asked.layout.kind) != used || used != Some(LayoutKind::LeastSquares)) {
         tries.push(format!("--passes 3 --layout {}", LayoutKind::LeastSquares));
     }
     tries
 }
 
 /// For the solvers with a fixed target.
-fn other_steps(solver: &str, asked: &Asked, termination: Termination) -> Vec<String> {
+fn other_steps(solver: &str, asked: &Pipeline, termination: Termination) -> Vec<String> {
     if termination == Termination::Converged {
         return ring_switch(asked).into_iter().chain([longer_seam()]).collect();
     }
     let mut tries = Vec::new();
-    if asked.line_search == Some(LineSearch::Full) {
+    // That of someone's own has none: the default solver, which stands in its place, has none either.
+    let newton = asked.solver.newton_settings();
+    if newton.is_some_and(|newton| newton.line_search == LineSearch::Full) {
         tries.push(format!("--line-search {}", LineSearch::Merit));
     }
-    if asked.hessian == Some(Hessian::Exact) {
+    if newton.is_some_and(|newton| newton.hessian == Hessian::Exact) {
         tries.push(format!("--hessian {}", Hessian::GaussNewton));
     }
     tries.extend(ring_switch(asked));
@@ -260,8 +278,8 @@ fn other_steps(solver: &str, asked: &Asked, termination: Termination) -> Vec<Str
 }
 
 /// Another start of the rings, if there is one.
-fn ring_switch(asked: &Asked) -> Option<String> {
-    match asked.ring_switch {
+fn ring_switch(asked: &Pipeline) -> Option<String> {
+    match asked.estimate.ring_switch {
         None => Some(format!("--ring-switch {USUAL_RING_SWITCH}")),
         Some(threshold) if threshold > EAGER_RING_SWITCH => Some(format!("--ring-switch {EAGER_RING_SWITCH}")),
         Some(_) => None,

@@ -25,7 +25,7 @@ fn refs(paths: &[PathBuf]) -> Vec<&Path> {
 
 fn results(file: &Path) -> Vec<Value> {
     let json: Value = serde_json::from_slice(&std::fs::read(file).expect("written")).expect("JSON");
-    assert_eq!(json["schema"], "bench-harness/2");
+    assert_eq!(json["schema"], "bench-harness/3");
     json["results"].as_array().expect("a list").clone()
 }
 
@@ -194,7 +194,7 @@ fn comparisons_that_make_no_sense_are_refused() {
     std::fs::create_dir(folder.path("empty")).expect("a folder");
     let empty = folder.path("empty");
     for (options, mesh, part) in [
-        (format!("--baseline {}", old.display()), &mesh, "is not \"bench-harness/2\"".to_owned()),
+        (format!("--baseline {}", old.display()), &mesh, "is not \"bench-harness/3\"".to_owned()),
         (format!("--baseline {}", broken.display()), &mesh, "no earlier comparison".to_owned()),
         (format!("--baseline {}", folder.path("no.json").display()), &mesh, "no.json: cannot be read".to_owned()),
         (format!("--baseline {0} --json {0}", old.display()), &mesh, "would replace the file that is read".to_owned()),

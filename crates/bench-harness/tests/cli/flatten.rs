@@ -48,26 +48,8 @@ const FIELDS: [&str; 41] = [
     "scaled",
     "precision_limits",
 ];
-const SETTINGS: [&str; 18] = [
-    "passes",
-    "wheel",
-    "hessian",
-    "line_search",
-    "reduction",
-    "preconditioner",
-    "max_inner_iterations",
-    "inner_tolerance",
-    "barrier_floor",
-    "layout",
-    "ring_switch",
-    "angle_bound",
-    "tolerance",
-    "max_iterations",
-    "time_limit_s",
-    "zero_area",
-    "normalize",
-    "threads",
-];
+const SETTINGS: [&str; 9] =
+    ["solver", "zero_area", "estimate", "stop", "layout", "normalize", "precision", "max_memory", "threads"];
 const TIMINGS: [&str; 7] = ["read", "topology", "solve", "layout", "metrics", "write", "total"];
 
 fn assert_has(object: &Value, names: &[&str]) {
@@ -106,7 +88,7 @@ fn the_json_has_every_field_and_the_table_makes_way() {
     assert_has(&result["timings_s"], &TIMINGS);
     assert_eq!((&result["solver"], &result["layout"]), (&"auto".into(), &"tree".into()));
     assert_eq!(result["solved_by"], "linabf");
-    assert_eq!(result["settings"]["passes"], "auto");
+    assert_eq!(result["settings"]["solver"]["auto"]["linabf"]["passes"], "auto");
     assert_eq!(result["valid"], true);
     assert!(ran.stderr.contains("stretch"), "the table is on stderr: {}", ran.stderr);
 }
@@ -134,7 +116,7 @@ fn one_pass_with_the_ring_switch_keeps_obtuse_valid() {
     assert!((result["f"].as_f64().expect("a number") - 1.2670).abs() < 5e-5, "{}", result["f"]);
     // With three triangles the one pass is exact.
     assert_eq!((&result["flips"], &result["termination"]), (&0.into(), &"converged".into()));
-    assert_eq!(result["settings"]["passes"], 1);
+    assert_eq!(result["settings"]["solver"]["linabf"]["passes"], 1);
 }
 
 #[test]
@@ -182,13 +164,19 @@ fn the_settings_reach_the_json() {
     let options = "--passes 3 --layout poisson --ring-switch off --angle-bound 0.01 --tolerance 1e-6 \
                    --max-iterations 7 --time-limit 90 --normalize --threads 2 --json -";
     let settings = run_on(options, &[&fixture("pyramid")]).result()["settings"].clone();
-    let expected = serde_json::json!({
-        "passes": 3, "wheel": null, "hessian": null, "line_search": null, "reduction": null,
-        "preconditioner": null, "max_inner_iterations": null, "inner_tolerance": null, "barrier_floor": 1e-3,
-        "layout": "poisson", "ring_switch": null, "angle_bound": 0.01, "tolerance": 1e-6,
-        "max_iterations": 7, "time_limit_s": 90.0, "zero_area": "carry", "normalize": true, "threads": 2
+    let auto = &settings["solver"]["auto"];
+    assert_eq!((&auto["linabf"]["passes"], &auto["descent"]["barrier_floor"]), (&3.into(), &1e-3.into()), "{settings}");
+    assert_eq!(settings["layout"]["kind"], "poisson");
+    assert_eq!(
+        (&settings["estimate"]["ring_switch"], &settings["estimate"]["angle_bound"]),
+        (&Value::Null, &0.01.into())
+    );
+    let stop = serde_json::json!({
+        "tolerance": 1e-6, "step_tolerance": 1e-7, "max_iterations": 7, "time_limit": {"secs": 90, "nanos": 0}
     });
-    assert_eq!(settings, expected);
+    assert_eq!(settings["stop"], stop);
+    let rest = [&settings["zero_area"], &settings["normalize"], &settings["threads"]];
+    assert_eq!(rest, [&Value::from("carry"), &true.into(), &2.into()]);
 }
 
 #[test]

@@ -46,9 +46,12 @@ fn every_solver_flattens_by_name_and_says_which_point_of_the_grid_it_is() {
         let result = ran.result();
         assert_eq!((ran.code, &result["solver"]), (0, &solver.into()), "{}", ran.stderr);
         let settings = &result["settings"];
-        assert_eq!((settings["wheel"].as_str(), settings["hessian"].as_str()), (wheel, hessian), "{solver}");
-        assert_eq!(settings["line_search"].as_str(), wheel.map(|_| "merit"), "{solver}");
-        assert_eq!(settings["inner_tolerance"].as_str(), is_iterative.then_some("auto"), "{solver}");
+        // The settings of a solver stand under its name, those of the family of Newton's method under `newton`.
+        let own = settings["solver"].as_object().and_then(|solver| solver.values().next()).unwrap_or(&Value::Null);
+        let newton = &own["newton"];
+        assert_eq!((newton["wheel"].as_str(), newton["hessian"].as_str()), (wheel, hessian), "{solver}: {settings}");
+        assert_eq!(newton["line_search"].as_str(), wheel.map(|_| "merit"), "{solver}");
+        assert_eq!(own["iterative"]["max_inner_iterations"].is_number(), is_iterative, "{solver}");
         assert_eq!(result["energy"].is_number(), wheel.is_some() || solver == "descent", "{solver}");
         let has_diagonal_hessian = !["abf", "lscm"].contains(&solver);
         assert_eq!(result["negative_curvature"].is_number(), has_diagonal_hessian, "{solver}");
@@ -74,13 +77,12 @@ fn the_settings_of_the_family_reach_the_json() {
     let options = "--solver minres --wheel product --hessian gauss-newton --line-search full --reduction none \
                    --preconditioner jacobi --max-inner-iterations 700 --inner-tolerance 1e-9 --json -";
     let settings = run_on(options, &[&fixture("pyramid")]).result()["settings"].clone();
-    let expected = serde_json::json!({
-        "passes": null, "wheel": "product", "hessian": "gauss-newton", "line_search": "full", "reduction": "none",
-        "preconditioner": "jacobi", "max_inner_iterations": 700, "inner_tolerance": 1e-9
+    let newton = serde_json::json!({
+        "wheel": "product", "hessian": "gauss-newton", "line_search": "full", "bounds": settings["solver"]["minres"]["newton"]["bounds"],
+        "inner_tolerance": {"fixed": 1e-9}
     });
-    for (name, value) in expected.as_object().expect("an object") {
-        assert_eq!(&settings[name], value, "{name}");
-    }
+    let iterative = serde_json::json!({"reduction": "none", "preconditioner": "jacobi", "max_inner_iterations": 700});
+    assert_eq!(settings["solver"]["minres"], serde_json::json!({"newton": newton, "iterative": iterative}));
 }
 
 #[test]

@@ -59,7 +59,7 @@ impl Ran {
     /// The result of one mesh from the JSON on stdout.
     pub(crate) fn result(&self) -> Value {
         let json = self.json();
-        assert_eq!(json["schema"], "bench-harness/2");
+        assert_eq!(json["schema"], "bench-harness/3");
         let results = json["results"].as_array().expect("a list");
         assert_eq!(results.len(), 1, "{json}");
         results[0].clone()

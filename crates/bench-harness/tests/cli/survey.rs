@@ -155,7 +155,7 @@ fn a_log_that_was_cut_short_is_resumed_and_never_lost_unasked() {
     survey("");
     // As a survey leaves it that ends in the middle of its third line.
     let done = read(&json);
-    let head = serde_json::json!({"schema": "bench-harness/2", "made_with": done["survey"]["made_with"]});
+    let head = serde_json::json!({"schema": "bench-harness/3", "made_with": done["survey"]["made_with"]});
     let entries: Vec<String> = (0..3).map(|k| done["results"][k].to_string()).collect();
     let half = &entries[2][..entries[2].len() / 2];
     fs::write(&log, format!("{head}\n{}\n{}\n{half}", entries[0], entries[1])).expect("written");

@@ -37,19 +37,23 @@ const SHORTEST_SCALE_DEG: f64 = 1e-6;
 pub(crate) fn pictures(judgement: &Judgement<'_>) -> String {
     let (Some(mesh), Some(best)) = (judgement.section.mesh, judgement.best) else { return String::new() };
     let Some(uv) = judgement.section.runs[best].uv else { return String::new() };
+    figures(judgement, mesh, uv, best).unwrap_or_else(|e| {
+        let mut html = Html::default();
+        html.element("p", "class=\"note\"", &format!("No picture: {e}."));
+        html.finish()
+    })
+}
+
+fn figures(judgement: &Judgement<'_>, mesh: &TriMesh, uv: &UvMap, best: usize) -> Result<String, PictureError> {
+    let scene = Scene::new(mesh, uv, &View::Auto, LINE)?;
+    let spread = Spread::of(&scene);
     let mut html = Html::default();
-    match Scene::new(mesh, uv, &View::Auto, LINE) {
-        Ok(scene) => {
-            let spread = Spread::of(&scene);
-            html.raw("<div class=\"figures\">\n");
-            html.raw(&checkered(&scene, uv, judgement, best));
-            html.raw(&coloured(&scene, &spread, judgement, best));
-            html.raw("</div>\n");
-            html.raw(&small_layouts(judgement, mesh, &spread));
-        }
-        Err(e) => html.element("p", "class=\"note\"", &format!("No picture: {e}.")),
-    }
-    html.finish()
+    html.raw("<div class=\"figures\">\n");
+    html.raw(&checkered(&scene, uv, judgement, best)?);
+    html.raw(&coloured(&scene, &spread, judgement, best)?);
+    html.raw("</div>\n");
+    html.raw(&small_layouts(judgement, mesh, &spread));
+    Ok(html.finish())
 }
 
 /// How large the angle errors of the triangles are, degrees.
@@ -70,18 +74,18 @@ impl Spread {
 }
 
 /// Surface and layout with a checkerboard.
-fn checkered(scene: &Scene<'_>, uv: &UvMap, judgement: &Judgement<'_>, run: usize) -> String {
+fn checkered(scene: &Scene<'_>, uv: &UvMap, judgement: &Judgement<'_>, run: usize) -> Result<String, PictureError> {
     let checker = Checker::over(bounds(uv.triangles().flatten()), CHECKS);
     let (name, label) = (judgement.section.name, &judgement.labels[run]);
     let figures = judgement.metrics(run).map(in_words).unwrap_or_default();
     let alt = format!("The surface of {name} and its layout by {label} with the same checkerboard: {figures}.");
     let caption = "Squares of one size are kept areas, right angles kept angles. \
                    The hue drifts, so that a place can be found on both sides.";
-    figure(pair(scene, &Skin::Checker(&checker)), LARGE, &alt, &format!("<p>{caption}</p>"))
+    Ok(figure(pair(scene, &Skin::Checker(&checker))?, LARGE, &alt, &format!("<p>{caption}</p>")))
 }
 
 /// Surface and layout coloured by the angle error of every triangle.
-fn coloured(scene: &Scene<'_>, spread: &Spread, judgement: &Judgement<'_>, run: usize) -> String {
+fn coloured(scene: &Scene<'_>, spread: &Spread, judgement: &Judgement<'_>, run: usize) -> Result<String, PictureError> {
     let colours = face_colours(scene, spread);
     let [median, most, largest] = [spread.median, spread.most, spread.largest].map(|x| significant(x, 3));
     let numbers = format!("median {median}°, 98 % below {most}°, largest {largest}°");
@@ -90,7 +94,7 @@ fn coloured(scene: &Scene<'_>, spread: &Spread, judgement: &Judgement<'_>, run: 
         format!("The same surface and layout of {name}, each triangle coloured by its largest angle error: {numbers}.");
     let flips = judgement.metrics(run).map_or(0, |m| m.flips);
     let caption = format!("{}<p>Largest angle error of each triangle: {numbers}.</p>", legend(spread, flips));
-    figure(pair(scene, &Skin::Faces(&colours)), LARGE, &alt, &caption)
+    Ok(figure(pair(scene, &Skin::Faces(&colours))?, LARGE, &alt, &caption))
 }
 
 /// What the colours mean.
@@ -126,7 +130,7 @@ fn small_layout(mesh: &TriMesh, uv: &UvMap, spread: &Spread) -> Result<Pixmap, P
     let colours = face_colours(&scene, spread);
     let mut canvas = transparent(SMALL);
     let panel = Panel { left: 0, width: SMALL[0], height: SMALL[1], samples: SUPERSAMPLING };
-    scene.draw_layout(&mut canvas, &panel, &Skin::Faces(&colours), &Palette::on(None));
+    scene.draw_layout(&mut canvas, &panel, &Skin::Faces(&colours), &Palette::on(None), &mut || Ok(()))?;
     Ok(canvas)
 }
 
@@ -148,15 +152,15 @@ fn face_colours(scene: &Scene<'_>, spread: &Spread) -> Vec<Colour> {
 }
 
 /// The surface on the left, the layout on the right.
-fn pair(scene: &Scene<'_>, skin: &Skin<'_>) -> Pixmap {
+fn pair(scene: &Scene<'_>, skin: &Skin<'_>) -> Result<Pixmap, PictureError> {
     let [width, height] = LARGE;
     let mut canvas = transparent(LARGE);
     let panel = |left| Panel { left, width: width / 2, height, samples: SUPERSAMPLING };
     // Without a background the page shines through, be it light or dark.
     let palette = Palette::on(None);
-    scene.draw_surface(&mut canvas, &panel(0), skin, &palette);
-    scene.draw_layout(&mut canvas, &panel(width / 2), skin, &palette);
-    canvas
+    scene.draw_surface(&mut canvas, &panel(0), skin, &palette, &mut || Ok(()))?;
+    scene.draw_layout(&mut canvas, &panel(width / 2), skin, &palette, &mut || Ok(()))?;
+    Ok(canvas)
 }
 
 fn transparent([width, height]: [u32; 2]) -> Pixmap {

@@ -42,6 +42,7 @@ fn try_compare(comparison: &Comparison) -> Result<Outcome, Failure> {
     let mut outputs = Outputs::new(comparison);
     for (done, file) in meshes.iter().enumerate() {
         let mut mesh = compare_one(&Source::File(file.clone()), comparison, &cancel);
+        mesh.runs.iter_mut().for_each(|run| comparison.typed.fit(&mut run.record));
         // What the user stopped says nothing about the solver.
         mesh.runs.retain(|run| !run.record.is_cancelled());
         if let Some(baseline) = &baseline {

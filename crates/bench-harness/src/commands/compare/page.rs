@@ -2,7 +2,7 @@
 
 use crate::record::failure::Failure;
 use crate::record::history::History;
-use crate::record::{Machine, Program, Record, fields};
+use crate::record::{Machine, Program, Record};
 use crate::run::Flattened;
 use crate::run::load::Loaded;
 use crate::show::files;
@@ -48,7 +48,7 @@ fn row(flattened: &Flattened) -> Run<'_> {
     let Flattened { record, uv, history, .. } = flattened;
     Run {
         solver: record.solver.as_deref().unwrap_or(NO_SOLVER),
-        settings: record.run.as_ref().map(|run| fields(&run.settings)).unwrap_or_default(),
+        settings: record.run.as_ref().map(|run| run.settings.listed()).unwrap_or_default(),
         uv: uv.as_ref(),
         columns: table::page_cells(record),
         failure: failure(record),

@@ -4,6 +4,7 @@ use super::repeat::Runs;
 use crate::cli::args::CompareArgs;
 use crate::cli::methods::{Method, methods};
 use crate::cli::targets::{JsonTarget, check_distinct, check_one_stdout};
+use crate::cli::typed::Typed;
 use crate::cli::usage::usage;
 use clap::error::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,8 @@ pub(crate) struct Comparison {
     pub(super) csv: Option<JsonTarget>,
     /// Where the page goes.
     pub(super) report: Option<PathBuf>,
+    /// What hints may name.
+    pub(super) typed: Typed,
 }
 
 impl Comparison {
@@ -42,7 +45,7 @@ impl Comparison {
     /// # Errors
     /// A usage error: a setting out of range, an output that would replace an input or another
     /// output.
-    pub(crate) fn new(args: CompareArgs) -> Result<Self, clap::Error> {
+    pub(crate) fn new(args: CompareArgs, typed: Typed) -> Result<Self, clap::Error> {
         let methods = methods(&args.solver, &args.method)?;
         let [json, markdown, csv] = [args.json, args.markdown, args.csv].map(JsonTarget::new);
         let texts = [("--json", json.as_ref()), ("--markdown", markdown.as_ref()), ("--csv", csv.as_ref())];
@@ -69,6 +72,7 @@ impl Comparison {
             markdown,
             csv,
             report: args.report,
+            typed,
         })
     }
 }

@@ -62,15 +62,17 @@ pub(crate) fn flatten(settings: &Settings) -> Outcome {
 fn with_all(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Vec<History>) -> Vec<Record> {
     let loaded = match Loaded::read(source, settings.max_memory(), cancel) {
         Ok(loaded) => loaded,
-        Err(failure) => {
+        Err(mut failure) => {
+            settings.typed.fit_failure(&mut failure);
             console::failure(&failure);
             return vec![unusable(source.name(), failure)];
         }
     };
     let mut records = Vec::new();
     for method in &settings.methods {
-        let Flattened { record, history, mesh_is_unusable, .. } =
+        let Flattened { mut record, history, mesh_is_unusable, .. } =
             run::flatten(&loaded, method, settings.charting.if_allowed(), settings.history.is_some(), cancel);
+        settings.typed.fit(&mut record);
         if let (true, Some(failure)) = (mesh_is_unusable, &record.error) {
             console::failure(failure);
             return vec![record];
@@ -84,19 +86,20 @@ fn with_all(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
 /// Flattens one mesh with one solver and writes what is asked for. Whatever goes wrong is in the
 /// record and on stderr.
 fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Vec<History>) -> Record {
-    let record = match Loaded::read(source, settings.max_memory(), cancel) {
+    let mut record = match Loaded::read(source, settings.max_memory(), cancel) {
         Ok(loaded) => {
             let method = &settings.methods[0];
             let Flattened { mut record, uv, seams, history, .. } =
                 run::flatten(&loaded, method, settings.charting.if_allowed(), settings.history.is_some(), cancel);
             if let Some(uv) = uv.filter(|_| record.error.is_none()) {
-                record.error = write_files(settings, &loaded, &uv, &seams, &mut record).err();
+                record.error = write_files(settings, &loaded, &uv, &seams, cancel, &mut record).err();
             }
             runs.extend(history);
             record
         }
         Err(failure) => unusable(source.name(), failure),
     };
+    settings.typed.fit(&mut record);
     if let Some(failure) = &record.error {
         console::failure(failure);
     }

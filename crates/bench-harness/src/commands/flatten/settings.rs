@@ -5,6 +5,7 @@ use crate::cli::charts::Charting;
 use crate::cli::methods::{Method, methods};
 use crate::cli::mistyped::check_is_no_command;
 use crate::cli::targets::{JsonTarget, check_distinct, check_extension, check_is_for_one, check_one_stdout};
+use crate::cli::typed::Typed;
 use crate::run::source::Source;
 use std::path::{Path, PathBuf};
 
@@ -27,6 +28,8 @@ pub(crate) struct Settings {
     pub(crate) json: Option<JsonTarget>,
     /// Where every iteration goes.
     pub(crate) history: Option<JsonTarget>,
+    /// What hints may name.
+    pub(crate) typed: Typed,
 }
 
 impl Settings {
@@ -35,7 +38,7 @@ impl Settings {
     /// # Errors
     /// A usage error: a setting out of range, outputs that fit no single result, an output that
     /// would replace an input.
-    pub(crate) fn new(args: FlattenArgs) -> Result<Self, clap::Error> {
+    pub(crate) fn new(args: FlattenArgs, typed: Typed) -> Result<Self, clap::Error> {
         let methods = methods(&args.solver, &args.method)?;
         let sources = match args.meshes.as_slice() {
             [] => vec![Source::Builtin],
@@ -72,7 +75,7 @@ impl Settings {
             }
         }
         args.meshes.iter().try_for_each(|mesh| check_is_no_command(mesh))?;
-        Ok(Self { sources, methods, charting, output, png, svg, json, history })
+        Ok(Self { sources, methods, charting, output, png, svg, json, history, typed })
     }
 
     /// The files that will be written.

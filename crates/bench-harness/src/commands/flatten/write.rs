@@ -5,12 +5,13 @@ use super::settings::Settings;
 use crate::record::Record;
 use crate::record::failure::Failure;
 use crate::record::number::count;
+use crate::run::cancel::Cancel;
 use crate::run::load::Loaded;
 use crate::show::{console, files};
 use abf_mesh::io::{GltfTexcoords, MeshFormat};
 use abf_mesh::{Point3, TriMesh, UvMap, VertexId, io};
 use abf_report::svg::{SvgStyle, layout_svg};
-use abf_report::{PictureStyle, picture};
+use abf_report::{PictureError, PictureStyle, picture_unless};
 use std::path::Path;
 use std::time::Instant;
 
@@ -21,6 +22,7 @@ pub(super) fn write_files(
     loaded: &Loaded,
     uv: &UvMap,
     seams: &[[VertexId; 2]],
+    cancel: &Cancel,
     record: &mut Record,
 ) -> Result<(), Failure> {
     let (mesh, charting) = (loaded.mesh(), &settings.charting);
@@ -43,7 +45,7 @@ pub(super) fn write_files(
     }
     let pages = record.atlas.as_ref().map_or(1, |atlas| atlas.pages);
     let one_page = |path: &Path| if pages == 1 { Ok(()) } else { Err(Failure::several_pages(path, pages)) };
-    let png = settings.png.as_deref().map(|path| (path, one_page(path).and_then(|()| draw(path, mesh, uv))));
+    let png = settings.png.as_deref().map(|path| (path, one_page(path).and_then(|()| draw(path, mesh, uv, cancel))));
     let svg = settings.svg.as_deref().map(|path| (path, one_page(path).and_then(|()| draw_layout(path, mesh, uv))));
     let lines = charting.seam_lines.as_deref();
     let lines = lines.map(|path| (path, files::replace(path, seam_lines(mesh, seams).as_bytes())));
@@ -122,8 +124,12 @@ fn merged_faces(mesh: &TriMesh) -> usize {
     mesh.triangles().filter(|&corners| merged(corners)).count()
 }
 
-fn draw(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {
-    let png = picture(mesh, uv, &PictureStyle::default()).map_err(|error| Failure::picture(path, &error))?;
+fn draw(path: &Path, mesh: &TriMesh, uv: &UvMap, cancel: &Cancel) -> Result<(), Failure> {
+    let failed = |error| match error {
+        PictureError::Cancelled(_) => Failure::picture_cancelled(path),
+        error => Failure::picture(path, &error),
+    };
+    let png = picture_unless(mesh, uv, &PictureStyle::default(), &mut cancel.since_now()).map_err(failed)?;
     files::replace(path, &png)
 }
 

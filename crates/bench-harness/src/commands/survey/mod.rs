@@ -123,6 +123,7 @@ fn flatten(path: &Path, survey: &Survey, budget: &Budget, cancel: &Cancel) -> Re
         within(budget, &source, survey, cancel).unwrap_or_else(|failure| unusable(name.clone(), failure))
     }));
     let mut record = flattened.unwrap_or_else(|_| unusable(name.clone(), Failure::panicked(&name)));
+    survey.typed.fit(&mut record);
     if survey.jobs > 1 {
         // There is one peak for the whole program, and one account of processor time.
         record.peak_memory_bytes = None;

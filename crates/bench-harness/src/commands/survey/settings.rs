@@ -4,6 +4,7 @@ use crate::cli::args::{ChartArgs, SolverChoice, SurveyArgs};
 use crate::cli::charts::Charting;
 use crate::cli::methods::{Method, methods};
 use crate::cli::targets::{JsonTarget, check_distinct};
+use crate::cli::typed::Typed;
 use crate::cli::usage::usage;
 use crate::record::surveyed::MadeWith;
 use crate::record::{Asked, Program};
@@ -30,6 +31,8 @@ pub(crate) struct Survey {
     pub(super) resume: bool,
     /// Where the results go.
     pub(super) json: Option<JsonTarget>,
+    /// What hints may name.
+    pub(super) typed: Typed,
 }
 
 impl Survey {
@@ -37,7 +40,7 @@ impl Survey {
     ///
     /// # Errors
     /// A usage error: a setting out of range, results that would replace a mesh, nothing to resume from.
-    pub(crate) fn new(args: SurveyArgs) -> Result<Self, clap::Error> {
+    pub(crate) fn new(args: SurveyArgs, typed: Typed) -> Result<Self, clap::Error> {
         let [method] = methods(&SolverChoice::Named(vec![args.solver]), &args.method)?.try_into().expect("one solver");
         let json = JsonTarget::new(args.json);
         let file = json.as_ref().and_then(JsonTarget::file);
@@ -49,7 +52,7 @@ impl Survey {
         let depth = if args.flat { Depth::Inside } else { Depth::Below };
         let jobs = args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, Into::into), usize::from);
         let charting = if args.disks_only { None } else { Some(Charting::new(ChartArgs::default(), &[], None)?) };
-        Ok(Self { meshes: args.meshes, depth, method, charting, jobs, resume: args.resume, json })
+        Ok(Self { meshes: args.meshes, depth, method, charting, jobs, resume: args.resume, json, typed })
     }
 
     /// What results depend on. What was refused for want of memory is tried again anyway.

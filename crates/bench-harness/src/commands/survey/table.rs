@@ -33,21 +33,18 @@ fn of(row: &Surveyed, cell: impl Fn(&Quality) -> Cell) -> Cell {
 /// The solver, and what it came down to where it has several methods.
 fn method(row: &Surveyed) -> Option<String> {
     let solver = row.record.solver.as_deref()?;
-    if let Some(atlas) = &row.record.atlas {
-        let mut by: Vec<&str> = atlas.charts.iter().map(|chart| chart.solved_by.as_str()).collect();
-        by.sort_unstable();
-        by.dedup();
-        return Some(format!("{solver}: {} by {}", count(atlas.charts.len(), "chart", "charts"), by.join(", ")));
-    }
-    Some(match row.record.run.as_ref().filter(|run| run.solved_by != solver) {
-        Some(run) => format!("{solver}: {}", run.solved_by),
-        None => solver.to_owned(),
+    Some(match (&row.record.run, &row.record.atlas) {
+        (Some(run), Some(atlas)) => {
+            format!("{solver}: {} by {}", count(atlas.charts.len(), "chart", "charts"), run.solved_by)
+        }
+        (Some(run), None) if run.solved_by != solver => format!("{solver}: {}", run.solved_by),
+        _ => solver.to_owned(),
     })
 }
 
 /// How long each of the methods that were tried took, where a solver tries several.
 fn rungs(row: &Surveyed) -> Option<String> {
     let rungs = &row.record.run.as_ref().filter(|run| !run.rungs.is_empty())?.rungs;
-    let times = rungs.iter().map(|rung| format!("{} {}", rung.solver, seconds(rung.time_s)));
+    let times = rungs.iter().filter_map(|rung| Some(format!("{} {}", rung.solver, seconds(rung.time_s?))));
     Some(times.collect::<Vec<_>>().join(", "))
 }

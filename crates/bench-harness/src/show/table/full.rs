@@ -1,9 +1,9 @@
 //! One record for people, in full.
 
 use crate::record::number::{count, megabytes, seconds, significant};
-use crate::record::{Asked, Kkt, Quality, Record, Run, Size, Timings};
+use crate::record::{InnerAccuracy, Kkt, Quality, Record, Run, Size, Timings};
 use crate::show::advice::ending;
-use abf::{Metrics, Precision, SolverKind};
+use abf::{Metrics, Precision, Solver, SolverKind};
 use std::fmt::Write;
 
 /// How many digits errors and stretch are shown with.
@@ -17,11 +17,10 @@ pub(crate) fn in_full(record: &Record) -> String {
     if let Some(size) = &record.size {
         lines.push(("size", size_line(size)));
     }
-    if let (Some(run), Some(solver)) = (&record.run, &record.solver) {
-        lines.extend(run_lines(solver, run));
-    }
-    if let (Some(atlas), Some(solver)) = (&record.atlas, &record.solver) {
-        lines.extend(super::atlas::lines(solver, atlas));
+    match (&record.solver, &record.run, &record.atlas) {
+        (Some(solver), _, Some(atlas)) => lines.extend(super::atlas::lines(solver, atlas)),
+        (Some(solver), Some(run), None) => lines.extend(run_lines(solver, run)),
+        _ => {}
     }
     if let Some(quality) = &record.quality {
         lines.push(("valid", valid_line(quality)));
@@ -64,29 +63,30 @@ pub(super) fn size_line(size: &Size) -> String {
 /// What the solver was asked and what it did.
 fn run_lines(solver: &str, run: &Run) -> Vec<(&'static str, String)> {
     let mut lines = vec![("solver", solver_line(solver, run))];
-    lines.extend(newton_line(&run.settings).map(|line| ("step", line)));
-    lines.extend(inner_settings_line(&run.settings).map(|line| ("inner solve", line)));
+    let asked = run.settings.solver();
+    lines.extend(asked.as_ref().and_then(newton_line).map(|line| ("step", line)));
+    lines.extend(asked.as_ref().and_then(inner_settings_line).map(|line| ("inner solve", line)));
     lines.push(("ended", ended_line(run)));
     lines.extend(accuracy_line(run).map(|line| ("accuracy", line)));
-    lines.extend(curvature_line(run).map(|line| ("curvature", line)));
+    lines.extend(asked.and_then(|asked| curvature_line(&asked, run)).map(|line| ("curvature", line)));
     lines.push(("layout", layout_line(run)));
     lines
 }
 
 fn solver_line(solver: &str, run: &Run) -> String {
-    let asked = &run.settings;
     let mut parts = vec![solver.to_owned()];
     if !run.rungs.is_empty() {
         parts.push(format!("by {}", run.solved_by));
     }
-    parts.extend(asked.passes.map(|passes| format!("passes {passes}")));
+    parts.extend(run.settings.solver().and_then(|asked| asked.passes()).map(|passes| format!("passes {passes}")));
+    let Some(asked) = run.settings.pipeline() else { return parts.join(", ") };
     // A method without angles takes none of these; a solver of someone's own finds angles.
     if solver.parse().map_or(true, SolverKind::keeps_constraints) {
-        parts.push(match asked.ring_switch {
+        parts.push(match asked.estimate.ring_switch {
             Some(threshold) => format!("ring switch {threshold} rad ({} switched)", run.switched_rings),
             None => "ring switch off".to_owned(),
         });
-        parts.push(format!("tolerance {:e} rad", asked.tolerance));
+        parts.push(format!("tolerance {:e} rad", asked.stop.tolerance));
     }
     if asked.normalize {
         parts.push("normalized".to_owned());
@@ -94,14 +94,19 @@ fn solver_line(solver: &str, run: &Run) -> String {
     parts.join(", ")
 }
 
-fn newton_line(asked: &Asked) -> Option<String> {
-    Some(format!("{} wheel, {} Hessian, line search {}", asked.wheel?, asked.hessian?, asked.line_search?))
+fn newton_line(asked: &Solver) -> Option<String> {
+    let newton = asked.newton_settings()?;
+    Some(format!("{} wheel, {} Hessian, line search {}", newton.wheel, newton.hessian, newton.line_search))
 }
 
-fn inner_settings_line(asked: &Asked) -> Option<String> {
+fn inner_settings_line(asked: &Solver) -> Option<String> {
+    let (iterative, newton) = (asked.iterative_settings()?, asked.newton_settings()?);
     Some(format!(
         "reduction {}, preconditioner {}, tolerance {}, at most {} iterations",
-        asked.reduction?, asked.preconditioner?, asked.inner_tolerance?, asked.max_inner_iterations?
+        iterative.reduction,
+        iterative.preconditioner,
+        InnerAccuracy(newton.inner_tolerance),
+        iterative.max_inner_iterations
     ))
 }
 
@@ -123,9 +128,9 @@ fn accuracy_line(run: &Run) -> Option<String> {
 }
 
 /// What the exact Hessian did; nothing where it is positive by construction.
-fn curvature_line(run: &Run) -> Option<String> {
+fn curvature_line(asked: &Solver, run: &Run) -> Option<String> {
     let (negative, fallbacks) = (run.negative_curvature?, run.fallbacks?);
-    if run.settings.hessian != Some(abf::Hessian::Exact) {
+    if asked.newton_settings()?.hessian != abf::Hessian::Exact {
         return None;
     }
     let entries = match negative {
