@@ -42,7 +42,7 @@ pub(crate) struct MadeWith {
     pub(crate) program: Program,
     /// The solver's name.
     pub(crate) solver: String,
-    /// Its settings. How many threads there are makes no difference.
+    /// Its settings. How many threads there are makes no difference, nor how much memory.
     pub(crate) settings: Asked,
     /// Whether what is no disk is refused.
     pub(crate) disks_only: bool,
@@ -54,7 +54,8 @@ impl MadeWith {
         let listed = |of: &Self| {
             let mut all = vec![("version of the program".to_owned(), of.program.version.clone())];
             all.push(("solver".to_owned(), of.solver.clone()));
-            all.extend(of.settings.listed());
+            // What was refused for want of memory is tried again anyway.
+            all.extend(of.settings.listed().into_iter().filter(|(name, _)| name != "max_memory"));
             all.push(("disks_only".to_owned(), of.disks_only.to_string()));
             all.into_iter().collect::<Vec<_>>()
         };
@@ -175,6 +176,7 @@ mod tests {
             assert_eq!(plain.difference(&made_with(&other)), Some(expected.map(str::to_owned)));
         }
         assert_eq!(plain.difference(&plain), None);
+        assert_eq!(plain.difference(&made_with(&Pipeline { max_memory: Some(1), ..Pipeline::default() })), None);
         let mut threads = plain.settings.clone();
         threads.threads += 1;
         assert_eq!(plain.difference(&MadeWith { settings: threads, ..plain.clone() }), None);

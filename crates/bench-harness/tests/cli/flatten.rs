@@ -116,7 +116,7 @@ fn one_pass_with_the_ring_switch_keeps_obtuse_valid() {
     assert!((result["f"].as_f64().expect("a number") - 1.2670).abs() < 5e-5, "{}", result["f"]);
     // With three triangles the one pass is exact.
     assert_eq!((&result["flips"], &result["termination"]), (&0.into(), &"converged".into()));
-    assert_eq!(result["settings"]["solver"]["linabf"]["passes"], 1);
+    assert_eq!(result["settings"]["solver"]["auto"]["linabf"]["passes"], 1);
 }
 
 #[test]

@@ -132,7 +132,7 @@ fn a_survey_resumes_with_what_has_not_changed() {
 
     // With other settings it would be another survey, and this one lost.
     for (options, said) in [
-        ("--resume --passes 1", "made with passes auto, and asked for is 1"),
+        ("--resume --passes 1", "made with linabf.passes auto, and asked for is 1"),
         ("--resume --solver linabf", "made with solver auto, and asked for is linabf"),
     ] {
         let ran = survey(options);
