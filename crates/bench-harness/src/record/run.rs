@@ -158,8 +158,9 @@ impl Run {
     }
 
     /// The report of a mesh in charts; `None` where there are none.
-    pub(crate) fn of_charts<'a>(pipeline: &Pipeline, charts: impl Iterator<Item = &'a Solved>) -> Option<Self> {
-        let solved = charts.cloned().reduce(Solved::and)?;
+    pub(crate) fn of_charts<'a>(pipeline: &Pipeline, mut charts: impl Iterator<Item = &'a Solved>) -> Option<Self> {
+        let first = charts.next()?.clone();
+        let solved = charts.fold(first, Solved::and);
         Some(Self { settings: Asked::new(pipeline), solved })
     }
 }
@@ -220,13 +221,13 @@ impl Solved {
 
     /// Both together: counts and energies add up, of residuals the larger one counts, and of endings the first that is not
     /// as asked.
-    fn and(mut self, other: Self) -> Self {
+    fn and(mut self, other: &Self) -> Self {
         if !self.solved_by.split(", ").any(|name| name == other.solved_by) {
             self.solved_by = format!("{}, {}", self.solved_by, other.solved_by);
         }
-        let ends_as = if self.termination.is_as_asked() && !other.termination.is_as_asked() { &other } else { &self };
+        let is_worse = self.termination.is_as_asked() && !other.termination.is_as_asked();
         Self {
-            termination: ends_as.termination,
+            termination: if is_worse { other.termination } else { self.termination },
             solved_by: self.solved_by,
             rungs: Vec::new(),
             constraint_residual: joined(self.constraint_residual, other.constraint_residual, f64::max),

@@ -4,8 +4,8 @@ use crate::record::hints::{OR, TRY};
 use crate::record::number::{count, significant};
 use crate::record::{Outcome, Record, Run, Rung};
 use abf::{
-    Hessian, IterativeSettings, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, SolverKind,
-    Termination,
+    Hessian, IterativeSettings, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, Solver,
+    SolverKind, Termination,
 };
 
 /// The threshold that the paper recommends (§4.2), rad.
@@ -204,11 +204,11 @@ fn tries(solver: &str, run: &Run) -> Vec<String> {
     if solver == SolverKind::Lscm.name() {
         return vec![format!("--solver {}", SolverKind::Auto)];
     }
-    let iterative = own.as_ref().and_then(|solver| solver.iterative_settings());
+    let iterative = own.as_ref().and_then(Solver::iterative_settings);
     if let Some(iterative) = iterative.filter(|_| run.inner_unconverged > 0 && !run.termination.is_as_asked()) {
         return stronger_inner_solve(iterative);
     }
-    let passes = own.as_ref().and_then(|solver| solver.passes());
+    let passes = own.as_ref().and_then(Solver::passes);
     let makes_exact_passes = passes.is_some_and(|passes| passes != Passes::Auto);
     match run.termination {
         Termination::TimeLimit => vec!["a longer --time-limit".to_owned()],
