@@ -4,18 +4,18 @@
 
 #![allow(clippy::print_stdout, reason = "an example shows what it did")]
 
-use abf::{ArrayUnwrapper, Pipeline, Silent, Solver, SolverKind};
+use abf::{ArrayUnwrapper, Pipeline, Silent};
 use abf_shapes::Shape;
 use std::error::Error;
 use std::f64::consts::TAU;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mask = Shape::Mask.mesh(3000);
-    for kind in [SolverKind::LinAbf, SolverKind::AbfPlusPlus, SolverKind::Barrier, SolverKind::Descent] {
-        let pipeline = Pipeline { solver: Solver::from(kind), ..Pipeline::default() };
+    for name in ["linabf", "abf++", "barrier", "descent"] {
+        let pipeline = Pipeline { solver: name.parse()?, ..Pipeline::default() };
         let flat = pipeline.run(&mask, &mut Silent)?;
         for point in flat.uv.points() {
-            println!("{kind} {:016x} {:016x}", point.x.to_bits(), point.y.to_bits());
+            println!("{name} {:016x} {:016x}", point.x.to_bits(), point.y.to_bits());
         }
     }
     let (positions, indices) = torus(48, 24);
