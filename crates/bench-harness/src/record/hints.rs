@@ -279,6 +279,7 @@ pub(crate) fn write(error: &WriteError) -> Hint {
         WriteError::NotFinite { .. } => {
             (FailureKind::NotFinite, "correct or remove these: NaN and infinity have no place")
         }
+        WriteError::ColourMismatch { .. } => (FailureKind::Internal, REPORT),
         WriteError::Document(error) => read(error),
         WriteError::TexcoordTaken { .. } => (FailureKind::TexcoordTaken, "choose a free set, or overwrite that one"),
         WriteError::TexcoordGap { .. } => (FailureKind::TexcoordGap, "choose the next free set"),

@@ -7,7 +7,7 @@ use crate::run::memory::HeapWatch;
 use crate::run::progress::Progress;
 use crate::run::source::{Document, Gltf, Source, holds_more};
 use crate::show::console;
-use abf_mesh::io::ObjDocument;
+use abf_mesh::io::{ObjDocument, VertexColours};
 use abf_mesh::{TriMesh, UvMap, VertexId};
 use std::collections::{BTreeMap, HashSet};
 use std::time::Instant;
@@ -59,7 +59,7 @@ impl Loaded {
         let begin = Instant::now();
         let document = source.read()?;
         let read_s = begin.elapsed().as_secs_f64();
-        let notes = document.file().notes.sentences();
+        let notes = document.sentences();
         let fanned = document.file().notes.polygons_fanned > 0;
         let (bytes, peak_of_reading) = (heap.bytes(), heap.peak_bytes());
         Ok(Self { name, document, notes, fanned, read_s, bytes, peak_of_reading })
@@ -73,6 +73,11 @@ impl Loaded {
     /// The UVs that the file has.
     pub(crate) fn uv(&self) -> Option<&UvMap> {
         self.document.file().uv.as_ref()
+    }
+
+    /// The colours of its vertices, if the file is a PLY that has some.
+    pub(crate) fn colours(&self) -> Option<&VertexColours> {
+        self.document.file().colours.as_ref()
     }
 
     /// The document, if it is a glTF.

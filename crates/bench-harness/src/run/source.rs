@@ -47,7 +47,7 @@ impl Source {
                     let document = GltfDocument::read(path).map_err(failed)?;
                     let surface = document.surface().map_err(failed)?;
                     let materials = surface.material_of_faces();
-                    let file = MeshFile { mesh: surface.mesh, uv: surface.uv, notes: surface.notes };
+                    let file = MeshFile { mesh: surface.mesh, uv: surface.uv, colours: None, notes: surface.notes };
                     Ok(Document::Gltf(Box::new(Gltf { document, file, materials })))
                 }
                 Some(MeshFormat::Obj) if !path.is_dir() => {
@@ -64,7 +64,7 @@ impl Source {
             },
             Self::Builtin => {
                 let mesh = default_fixture().mesh();
-                let file = MeshFile { mesh, uv: None, notes: ReadNotes::default() };
+                let file = MeshFile { mesh, uv: None, colours: None, notes: ReadNotes::default() };
                 Ok(Document::Plain(Box::new(file)))
             }
         }
@@ -90,6 +90,17 @@ impl Document {
             Self::Gltf(gltf) => &gltf.file,
             Self::Plain(file) => file,
         }
+    }
+
+    /// What there is to say of the reading. What an OBJ keeps when it is written again is not missing.
+    pub(crate) fn sentences(&self) -> Vec<String> {
+        /// What is about normals, names, materials and smoothing. Curves and points, which are no surface, are said.
+        const KEPT: [&str; 6] = ["vn", "s", "g", "o", "usemtl", "mtllib"];
+        let mut notes = self.file().notes.clone();
+        if matches!(self, Self::Obj(_)) {
+            notes.ignored.retain(|what, _| !KEPT.contains(&what.as_str()));
+        }
+        notes.sentences()
     }
 }
 

@@ -152,6 +152,39 @@ fn a_result_that_is_not_converged_gives_exit_code_1_and_is_written_all_the_same(
 }
 
 #[test]
+fn what_an_obj_keeps_is_not_said_to_be_left_out_and_what_it_does_not_draw_is() {
+    let folder = Folder::new();
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\ns 1\nusemtl red\no one\nf 1 2 3\nl 1 2\n";
+    let out = folder.path("out.obj");
+    let ran = run_on(&format!("-o {}", out.display()), &[&folder.file("a.obj", text)]);
+    let not_read: Vec<&str> = ran.stderr.lines().filter(|line| line.contains("not read")).collect();
+    assert!(matches!(not_read.as_slice(), [line] if line.ends_with("not read: l (1)")), "{}", ran.stderr);
+    let written = std::fs::read_to_string(out).expect("written");
+    assert!(["vn 0 0 1", "s 1", "usemtl red", "o one"].iter().all(|line| written.contains(line)), "{written}");
+}
+
+#[test]
+fn the_colours_of_a_ply_are_kept_in_a_ply_and_said_to_be_missing_elsewhere() {
+    let folder = Folder::new();
+    let head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                property float quality\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n\
+                element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    let mesh = folder.file("a.ply", format!("{head}0 0 0 1 255 0 7 9\n1 0 0 1 1 2 3 4\n0 1 0 1 0 0 0 255\n3 0 1 2\n"));
+    let (ply, obj) = (folder.path("out.ply"), folder.path("out.obj"));
+    let kept = run_on(&format!("-o {}", ply.display()), &[&mesh]);
+    assert!(!kept.stderr.contains("colours") && kept.stderr.contains("property `quality`"), "{}", kept.stderr);
+    let colours = |path: &std::path::Path| abf_mesh::io::read(path).expect("a mesh").colours;
+    assert_eq!(colours(&ply).expect("kept").of_vertex(0), Some(&[255.0, 0.0, 7.0, 9.0][..]));
+    assert_eq!(colours(&ply), colours(&mesh));
+    let dropped = run_on(&format!("-o {}", obj.display()), &[&mesh]);
+    assert!(
+        dropped.stderr.contains("the colours of the vertices are not written: a ply keeps them"),
+        "{}",
+        dropped.stderr
+    );
+}
+
+#[test]
 fn lscm_has_no_angles_to_speak_of() {
     let result = run_on("--solver lscm --json -", &[&fixture("hemisphere")]).result();
     assert_eq!(result["layout"], "least-squares-weighted");
@@ -188,7 +221,7 @@ fn the_output_keeps_every_vertex_to_the_bit_and_adds_uvs() {
     let out = folder.path("out.obj");
     let ran = run([mesh.as_os_str(), "-o".as_ref(), out.as_os_str()]);
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    for note in ["1 polygons cut into 2 triangles", "1 vertices that no face uses kept", "not read: vn (1)"] {
+    for note in ["1 polygons cut into 2 triangles", "1 vertices that no face uses kept"] {
         assert!(ran.stderr.contains(&format!("note: {}: {note}\n", mesh.display())), "{}", ran.stderr);
     }
     assert!(ran.stdout.contains(&out.display().to_string()), "{}", ran.stdout);

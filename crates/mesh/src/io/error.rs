@@ -305,6 +305,14 @@ pub enum WriteError {
         /// How many corners the mesh has.
         mesh: usize,
     },
+    /// The colours belong to another mesh.
+    #[error("there are {colours} vertex colours, but the mesh has {vertices} vertices")]
+    ColourMismatch {
+        /// How many colours there are.
+        colours: usize,
+        /// How many vertices the mesh has.
+        vertices: usize,
+    },
     /// A number that no reader would take back.
     #[error("{what} {first} has a coordinate that is not finite ({count} in all)")]
     NotFinite {

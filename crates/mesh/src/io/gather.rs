@@ -145,7 +145,7 @@ impl<'a> Gather<'a> {
         let uv = self.uv_map(&fan);
         let mesh = TriMesh::new(self.positions, &faces).expect("all indices have been checked");
         self.notes.unreferenced_vertices = mesh.unreferenced_vertices();
-        Ok((MeshFile { mesh, uv, notes: self.notes }, inside))
+        Ok((MeshFile { mesh, uv, colours: None, notes: self.notes }, inside))
     }
 
     /// There must be something, and no more than ids can name.

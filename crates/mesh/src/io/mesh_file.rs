@@ -1,6 +1,6 @@
 //! What a mesh file holds.
 
-use super::ReadNotes;
+use super::{ReadNotes, VertexColours};
 use crate::{TriMesh, UvMap};
 
 /// What a mesh file holds.
@@ -10,6 +10,8 @@ pub struct MeshFile {
     pub mesh: TriMesh,
     /// The UVs, if every corner has one.
     pub uv: Option<UvMap>,
+    /// The colours of the vertices, of a PLY that has some; [`write_coloured`](super::write_coloured) keeps them.
+    pub colours: Option<VertexColours>,
     /// What was done to get there, and what was left alone.
     pub notes: ReadNotes,
 }

@@ -51,7 +51,7 @@ pub use materials::{Material, MaterialNote, Materials, load_materials, parse_mat
 pub use mesh_file::MeshFile;
 pub use notes::{ReadNotes, UvDropped};
 pub use obj::{Labels, ObjDocument, ObjWritten, write_obj};
-pub use ply::write_ply;
+pub use ply::{VertexColours, write_ply};
 
 use crate::{TriMesh, UvMap};
 use blocks::{Format, check};
@@ -124,9 +124,31 @@ fn check_readable(format: MeshFormat, name: &str, bytes: &[u8]) -> Result<(), Re
 /// # Errors
 /// A [`WriteError`]; what stood under that name before is then still there.
 pub fn write(path: &Path, mesh: &TriMesh, uv: Option<&UvMap>) -> Result<(), WriteError> {
+    write_coloured(path, mesh, uv, None)
+}
+
+/// [`write()`] with the colours of the vertices, which a PLY keeps as they were; other formats are written without.
+///
+/// # Errors
+/// A [`WriteError`]; colours of another mesh are one.
+pub fn write_coloured(
+    path: &Path,
+    mesh: &TriMesh,
+    uv: Option<&UvMap>,
+    colours: Option<&VertexColours>,
+) -> Result<(), WriteError> {
+    if let Some(colours) = colours.filter(|colours| colours.vertex_count() != mesh.vertex_count()) {
+        let (colours, vertices) = (colours.vertex_count(), mesh.vertex_count());
+        return Err(WriteError::ColourMismatch { colours, vertices });
+    }
     let target = || path.display().to_string();
     let format: Format = match MeshFormat::from_path(path) {
         Some(MeshFormat::Obj) => obj::write,
+        Some(MeshFormat::Ply) if colours.is_some() => {
+            check(mesh, uv)?;
+            let written = replace(path, |out| ply::write_coloured(out, mesh, uv, colours));
+            return written.map_err(|cause| WriteError::Io { target: target(), cause });
+        }
         Some(MeshFormat::Ply) => ply::write,
         #[cfg(feature = "gltf")]
         Some(MeshFormat::Glb | MeshFormat::Gltf) => {

@@ -96,8 +96,11 @@ fn write(path: &Path, loaded: &Loaded, uv: &UvMap, overwrite: bool) -> Result<Ke
         }
         _ => {}
     }
-    io::write(path, loaded.mesh(), Some(uv)).map_err(failed)?;
+    io::write_coloured(path, loaded.mesh(), Some(uv), loaded.colours()).map_err(failed)?;
     let mut notes = Vec::new();
+    if loaded.colours().is_some() && MeshFormat::from_path(path) != Some(MeshFormat::Ply) {
+        notes.push("the colours of the vertices are not written: a ply keeps them".to_owned());
+    }
     if loaded.holds_more() {
         notes.push(
             "only vertices, faces and UVs are written to another format: materials, normals and the like are not"

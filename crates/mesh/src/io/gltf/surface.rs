@@ -143,7 +143,7 @@ impl GltfDocument {
     /// The document as any other mesh file.
     pub(super) fn into_mesh(self) -> Result<MeshFile, ReadError> {
         let GltfSurface { mesh, uv, notes, .. } = self.surface()?;
-        Ok(MeshFile { mesh, uv, notes })
+        Ok(MeshFile { mesh, uv, colours: None, notes })
     }
 
     /// Finds the primitives of triangles, and takes note of the others.

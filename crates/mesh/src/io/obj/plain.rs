@@ -330,7 +330,7 @@ fn join(parts: Vec<Part>) -> Option<(MeshFile, Inside)> {
         notes.unreferenced_uvs = uv_points - map.points().len();
         Some(map)
     };
-    Some((MeshFile { mesh, uv, notes }, inside))
+    Some((MeshFile { mesh, uv, colours: None, notes }, inside))
 }
 
 /// The index counted from zero, if it names one of `available` elements; `before` came in earlier pieces.

@@ -41,6 +41,37 @@ impl Scalar {
     }
 }
 
+impl Scalar {
+    /// Its name in a header.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::I8 => "char",
+            Self::U8 => "uchar",
+            Self::I16 => "short",
+            Self::U16 => "ushort",
+            Self::I32 => "int",
+            Self::U32 => "uint",
+            Self::F32 => "float",
+            Self::F64 => "double",
+        }
+    }
+
+    /// Appends a value that was read as this type: its bytes, the lowest first. Of a text, what the type cannot hold is
+    /// rounded to what it can.
+    pub(super) fn append(self, block: &mut Vec<u8>, value: f64) {
+        match self {
+            Self::I8 => block.extend_from_slice(&(value as i8).to_le_bytes()),
+            Self::U8 => block.push(value as u8),
+            Self::I16 => block.extend_from_slice(&(value as i16).to_le_bytes()),
+            Self::U16 => block.extend_from_slice(&(value as u16).to_le_bytes()),
+            Self::I32 => block.extend_from_slice(&(value as i32).to_le_bytes()),
+            Self::U32 => block.extend_from_slice(&(value as u32).to_le_bytes()),
+            Self::F32 => block.extend_from_slice(&(value as f32).to_le_bytes()),
+            Self::F64 => block.extend_from_slice(&value.to_le_bytes()),
+        }
+    }
+}
+
 impl FromStr for Scalar {
     type Err = ();
 

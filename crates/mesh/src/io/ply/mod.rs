@@ -2,17 +2,19 @@
 //!
 //! Read are `x`, `y`, `z` of the element `vertex` in whatever scalar type, its UVs if they have one
 //! of the usual pairs of names, and of the element `face` the list `vertex_indices` (or
-//! `vertex_index`) and the list `texcoord` of two values per corner. All other properties and
-//! elements are skipped and counted. UVs per corner go before UVs per vertex.
+//! `vertex_index`) and the list `texcoord` of two values per corner. The colours of the vertices are kept for writing. All
+//! other properties and elements are skipped and counted. UVs per corner go before UVs per vertex.
 
+mod colours;
 mod header;
 mod rows;
 mod write;
 
+pub use colours::VertexColours;
 use header::{Element, Encoding, Header, Property, Scalar};
 use rows::{BinaryRows, Rows, TextRows, whole};
-pub(super) use write::write;
 pub use write::write_ply;
+pub(super) use write::{write, write_coloured};
 
 use super::MeshFile;
 use super::error::{Location, Place, ReadError};
@@ -34,7 +36,7 @@ const TEXCOORD: &str = "texcoord";
 /// Reads a PLY file.
 pub(super) fn parse(file: &str, bytes: &[u8]) -> Result<MeshFile, ReadError> {
     let header = Header::parse(file, bytes)?;
-    let mut ply = Ply { gather: Gather::new(file, BASE), uv: UvPlace::find(&header.elements) };
+    let mut ply = Ply { gather: Gather::new(file, BASE), uv: UvPlace::find(&header.elements), colours: None };
     match header.encoding {
         Encoding::Ascii => ply.elements(file, &header, TextRows::new(file, bytes, &header))?,
         Encoding::LittleEndian | Encoding::BigEndian => {
@@ -42,7 +44,8 @@ pub(super) fn parse(file: &str, bytes: &[u8]) -> Result<MeshFile, ReadError> {
         }
     }
     ply.gather.notes.uv_single = ply.uv.is_single(&header.elements);
-    ply.gather.finish()
+    let (gather, colours) = (ply.gather, ply.colours);
+    Ok(MeshFile { colours, ..gather.finish()? })
 }
 
 /// Where the UVs are.
@@ -81,6 +84,7 @@ impl UvPlace {
 struct Ply<'a> {
     gather: Gather<'a>,
     uv: UvPlace,
+    colours: Option<VertexColours>,
 }
 
 /// What a property of a face is to the reader.
@@ -121,28 +125,34 @@ impl Ply<'_> {
         if let UvPlace::Vertex(pair) = self.uv {
             names.extend(pair);
         }
-        // For every property the place of its value among x, y, z, u, v.
+        let first_colour = names.len();
+        let mut colours = VertexColours::declared(element);
+        names.extend(colours.iter().flat_map(VertexColours::channels));
+        // For every property the place of its value among x, y, z, u, v and the colours.
         let slot = |p: &Property| names.iter().position(|&name| p.length.is_none() && p.name == name);
         let slots: Vec<Option<usize>> = element.properties.iter().map(slot).collect();
         if let Some(missing) = (0..3).find(|&i| !slots.contains(&Some(i))) {
             let reason = format!("`vertex` has no property `{}`", names[missing]);
             return Err(ReadError::BadHeader { at: at(), reason });
         }
+        let mut values = vec![0.0; names.len()];
         for row in 0..element.rows {
             rows.begin(element, row)?;
-            let mut values = [0.0; 5];
             for (property, slot) in element.properties.iter().zip(&slots) {
                 match slot {
                     Some(i) => values[*i] = rows.value(property.value, &property.name)?,
                     None => skip(property, rows)?,
                 }
             }
-            let [x, y, z, u, v] = values;
-            self.gather.vertex([x, y, z], rows.place());
+            self.gather.vertex([values[0], values[1], values[2]], rows.place());
             if let UvPlace::Vertex(_) = self.uv {
-                self.gather.uv_points.push(Point2::new(u, v));
+                self.gather.uv_points.push(Point2::new(values[3], values[4]));
+            }
+            if let Some(colours) = &mut colours {
+                colours.push(&values[first_colour..]);
             }
         }
+        self.colours = colours;
         self.note_skipped(element, |i| slots[i].is_none());
         Ok(())
     }
@@ -289,6 +299,36 @@ end_header\r
                 ("values at the end of a line", 1)
             ]
         );
+    }
+
+    #[test]
+    fn the_colours_of_vertices_come_back_in_their_own_types_and_those_of_another_mesh_are_refused() {
+        for (kind, values) in
+            [("uchar", ["255", "0", "17"]), ("float", ["0.25", "1", "0.5"]), ("ushort", ["65535", "0", "9"])]
+        {
+            let declared: String =
+                ["blue", "red", "green"].iter().map(|name| format!("property {kind} {name}\n")).collect();
+            let [b, r, g] = values;
+            let text = format!(
+                "ply\nformat ascii 1.0\nelement vertex 3\n{declared}property float x\nproperty float y\nproperty float z\n\
+                 element face 1\nproperty list uchar int vertex_indices\nend_header\n\
+                 {b} {r} {g} 0 0 0\n{b} {r} {g} 1 0 0\n{r} {r} {r} 0 1 0\n3 0 1 2\n"
+            );
+            let file = read(&text);
+            let colours = file.colours.as_ref().expect("colours");
+            assert_eq!(colours.channels().collect::<Vec<_>>(), ["red", "green", "blue"]);
+            let expected = [r, g, b].map(|x| x.parse().expect("a number"));
+            assert_eq!((colours.vertex_count(), colours.of_vertex(1)), (3, Some(&expected[..])));
+            assert!(file.notes.ignored.is_empty(), "{:?}", file.notes);
+            let mut bytes = Vec::new();
+            write_coloured(&mut bytes, &file.mesh, None, Some(colours)).expect("written");
+            assert!(String::from_utf8_lossy(&bytes).contains(&format!("property {kind} red\n")));
+            assert_eq!(parse("again.ply", &bytes).expect("a readable file").colours.as_ref(), Some(colours));
+            let other = read(MIXED).mesh;
+            let refused = super::super::write_coloured(std::path::Path::new("a.ply"), &other, None, Some(colours));
+            let refused = refused.expect_err("another mesh").to_string();
+            assert_eq!(refused, "there are 3 vertex colours, but the mesh has 4 vertices");
+        }
     }
 
     #[test]

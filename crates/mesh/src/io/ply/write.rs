@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use super::super::WriteError;
 use super::super::blocks::{in_blocks, to_stream};
+use super::VertexColours;
 use crate::{FaceId, Point2, TriMesh, UvMap};
 
 /// Writes a binary little-endian PLY of doubles.
@@ -19,12 +20,25 @@ pub fn write_ply(out: impl Write, mesh: &TriMesh, uv: Option<&UvMap>) -> Result<
 
 /// Writes a checked mesh.
 pub(crate) fn write(out: &mut dyn Write, mesh: &TriMesh, uv: Option<&UvMap>) -> io::Result<()> {
+    write_coloured(out, mesh, uv, None)
+}
+
+/// Writes a checked mesh with a colour for each of its vertices, if there are some.
+pub(crate) fn write_coloured(
+    out: &mut dyn Write,
+    mesh: &TriMesh,
+    uv: Option<&UvMap>,
+    colours: Option<&VertexColours>,
+) -> io::Result<()> {
     let per_vertex = uv.and_then(|map| one_per_vertex(mesh, map));
     let per_corner = uv.filter(|_| per_vertex.is_none());
     write!(out, "ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.vertex_count())?;
     out.write_all(b"property double x\nproperty double y\nproperty double z\n")?;
     if per_vertex.is_some() {
         out.write_all(b"property double s\nproperty double t\n")?;
+    }
+    if let Some(colours) = colours {
+        out.write_all(colours.header().as_bytes())?;
     }
     write!(out, "element face {}\nproperty list uchar uint vertex_indices\n", mesh.face_count())?;
     if per_corner.is_some() {
@@ -35,6 +49,9 @@ pub(crate) fn write(out: &mut dyn Write, mesh: &TriMesh, uv: Option<&UvMap>) -> 
         doubles(block, &mesh.positions()[v].coords);
         if let Some(uv) = &per_vertex {
             doubles(block, &uv[v].coords);
+        }
+        if let Some(colours) = colours {
+            colours.append(block, v);
         }
     })?;
     in_blocks(out, mesh.face_count(), |block, f| {
