@@ -54,6 +54,12 @@ pub struct Place {
     pub chart: usize,
     /// How many charts the component has so far; cuts add to it.
     pub charts: usize,
+    /// How many of these are done: finished, or cut into others.
+    pub charts_done: usize,
+    /// How many faces all components have.
+    pub faces: usize,
+    /// How many of these are in finished charts: all of them at the end.
+    pub faces_done: usize,
     /// Which round of flattening and cutting the component is in, counted from 0.
     pub round: usize,
 }

@@ -232,7 +232,7 @@ impl Unwrap {
         ask(observer, Event::Working)?;
         let parts = split(&repaired.mesh, &repaired.topology, &kept).map_err(FlattenError::from)?;
         ask(observer, Event::Working)?;
-        let relay = Relay::new(observer, parts.len());
+        let relay = Relay::new(observer, parts.len(), repaired.mesh.face_count());
         let stays_whole = parts.len() == 1 && !self.cut_disks;
         let finish = |(number, part): (usize, &Chart)| -> Result<Vec<Finished>, UnwrapError> {
             let is_forbidden = |c: CornerId| {
@@ -240,10 +240,10 @@ impl Unwrap {
                 hints.is_forbidden(repaired.input_corner(corner))
             };
             let (settings, is_forbidden, budget, relay) = (self, &is_forbidden, &budget, &relay);
-            let component = Component { settings, part, number, stays_whole, is_forbidden, budget, relay };
+            let component = Component { settings, part, number, chart: 0, stays_whole, is_forbidden, budget, relay };
             let first = repaired.faces[part.faces[0].index()];
             let charts = component.run().map_err(|source| UnwrapError::Chart { first, source })?;
-            relay.ear(number).end();
+            relay.ear(number, 0).end();
             Ok(charts)
         };
         let finished: Vec<Result<Vec<Finished>, UnwrapError>> = parts.par_iter().enumerate().map(finish).collect();

@@ -218,6 +218,7 @@ fn counted(message: String, at: &Location, fanned: bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use abf::PackError;
     use abf_mesh::{DiskError, FaceId, TopologyError, VertexId};
 
     #[test]
@@ -240,5 +241,27 @@ mod tests {
         assert_eq!(text.matches("counted from 0").count(), 1, "{text}");
         let text = Failure::flatten("a.obj", &DiskError::NoBoundary { genus: 1 }.into(), false).message;
         assert!(!text.contains("counted"), "{text}");
+    }
+
+    #[test]
+    fn every_refusal_of_the_packer_has_a_kind_and_a_next_step_of_its_own() {
+        let (width, height, texels_per_unit) = (64, 64, 100.0);
+        let refusals = [
+            PackError::PageTooSmall { width, height, margin: 40.0 },
+            PackError::PieceTooLarge { piece: 0, width, height, texels_per_unit, largest: 9.0 },
+            PackError::TooManyPages { pieces: 9, pages: 2, texels_per_unit },
+            PackError::TooManyPieces { pieces: 9, pages: 2, margin: 2.0, width, height },
+            abf::SettingError::new("margin", "at least 0", -1.0).into(),
+        ];
+        let failures = refusals.map(|refusal| Failure::atlas("a.obj", &AtlasError::Pack(refusal)));
+        for (i, one) in failures.iter().enumerate() {
+            for other in &failures[..i] {
+                assert!(one.kind != other.kind && one.hint != other.hint, "{one:?} {other:?}");
+            }
+        }
+        let no_room = AtlasError::TooManyCharts { charts: 900, margin: 2, resolution: 64 };
+        let failure = Failure::atlas("a.obj", &no_room);
+        assert!(failure.message.ends_with("do not fit into 64 × 64 texels"), "{}", failure.message);
+        assert!(failure.hint.contains("--resolution") && failure.hint.contains("--margin"), "{}", failure.hint);
     }
 }

@@ -84,4 +84,14 @@ mod tests {
         assert_eq!(told, [Verdict::Continue, Verdict::Stop, Verdict::Abort]);
         assert!(cancel.is_asked());
     }
+
+    #[test]
+    fn work_that_begins_after_a_stop_is_ended_by_the_next_one_only() {
+        let cancel = Cancel::default();
+        cancel.0.store(1, Ordering::Relaxed);
+        let mut asked = cancel.since_now();
+        assert_eq!((asked(), cancel.is_asked()), (Ok(()), true));
+        cancel.0.fetch_add(1, Ordering::Relaxed);
+        assert_eq!(asked(), Err(abf::Cancelled));
+    }
 }

@@ -6,10 +6,10 @@ use crate::record::failure::Failure;
 use crate::record::number::count;
 use crate::record::{Atlas as AtlasRecord, ChartSettings, Charted};
 use crate::run::load::Loaded;
+use crate::run::progress::Progress;
 use abf::cut::RepairReport;
 use abf::{
-    Atlas, AtlasPages, Observer, Packed, Pipeline, Placement, Precision, Stored, SurfaceHints, Unwrap, Unwrapped,
-    UnwrappedChart,
+    Atlas, AtlasPages, Packed, Pipeline, Placement, Precision, Stored, SurfaceHints, Unwrap, Unwrapped, UnwrappedChart,
 };
 use abf_mesh::io::stored_uv;
 use std::time::Instant;
@@ -33,7 +33,7 @@ pub(crate) fn charts(
     charting: &Charting,
     loaded: &Loaded,
     pipeline: &Pipeline,
-    observer: &mut (dyn Observer + Send),
+    progress: &mut Progress<'_>,
 ) -> Result<Charts, Failure> {
     let begin = Instant::now();
     let mesh = loaded.mesh();
@@ -53,13 +53,14 @@ pub(crate) fn charts(
     let cut_disks = charting.unwrap.cut_disks || charting.is_for(loaded.is_gltf());
     let unwrap =
         Unwrap { pipeline: Pipeline { normalize: false, ..pipeline.clone() }, cut_disks, ..charting.unwrap.clone() };
-    let unwrapped = unwrap.run(mesh, &hints, observer).map_err(|e| Failure::unwrap(&loaded.name, &e, loaded.fanned))?;
+    let unwrapped = unwrap.run(mesh, &hints, progress).map_err(|e| Failure::unwrap(&loaded.name, &e, loaded.fanned))?;
     let charts_s = begin.elapsed().as_secs_f64();
     let stored: (Stored, Precision) = match (charting.to_gltf, pipeline.precision) {
         (true, _) => (stored_uv, Precision::Single),
         (false, Precision::Single) => (|p| p.map(|x| Precision::Single.round(x)), Precision::Single),
         (false, Precision::Double) => (|p| p, Precision::Double),
     };
+    progress.say("packing");
     let packed = charting.atlas.pack(mesh, &unwrapped, known.materials.as_deref(), stored);
     let packed = packed.map_err(|error| Failure::atlas(&loaded.name, &error))?;
     let record = record(&unwrap, &charting.atlas, &unwrapped, &packed);

@@ -130,8 +130,8 @@ impl Observer for Progress<'_> {
     }
 
     fn observe_at(&mut self, place: Place, event: Event<'_>) -> Verdict {
-        if let Some(line) = self.line.as_ref().filter(|_| place.components > 1) {
-            line.components(place.components_done, place.components);
+        if let Some(line) = self.line.as_ref().filter(|_| place.faces > 0) {
+            line.faces(place.faces_done, place.faces);
         }
         match event {
             Event::StageStarted(stage) => {
@@ -170,13 +170,16 @@ impl Observer for Progress<'_> {
     }
 }
 
-/// What is being done, and where: the component and the round, of a mesh that is made into charts.
+/// What is being done, and where: the component, its piece and the round, of a mesh that is made into charts. Where there
+/// is one of a kind it is not counted.
 fn at(place: Place, what: &str) -> String {
-    match place {
-        Place { charts: 0, .. } => what.to_owned(),
-        Place { components: 0 | 1, round, .. } => format!("round {}: {what}", round + 1),
-        Place { component, round, .. } => format!("component {}, round {}: {what}", component + 1, round + 1),
+    if place.charts == 0 {
+        return what.to_owned();
     }
+    let of = |name: &str, number: usize, all: usize| (all > 1).then(|| format!("{name} {}/{all}", number + 1));
+    let parts = [of("component", place.component, place.components), of("piece", place.chart, place.charts)];
+    let parts: Vec<String> = parts.into_iter().flatten().chain([format!("round {}", place.round + 1)]).collect();
+    format!("{}: {what}", parts.join(", "))
 }
 
 /// One line on stderr that appears when the work turns out to be long and is gone when it ends.
@@ -203,11 +206,11 @@ impl Line {
         Self { bar, _end: end }
     }
 
-    /// So many components are done of so many: there is something to draw a bar of.
-    fn components(&self, done: usize, all: usize) {
+    /// So many faces are in finished charts of so many: there is something to draw a bar of.
+    fn faces(&self, done: usize, all: usize) {
         let all = all as u64;
         if self.bar.length() != Some(all) {
-            let style = ProgressStyle::with_template("{spinner} {prefix}: {bar:20} {pos}/{len} {msg} ({elapsed})");
+            let style = ProgressStyle::with_template("{spinner} {prefix}: {bar:20} {percent}% {msg} ({elapsed})");
             self.bar.set_style(style.expect("a template without unknown keys"));
             self.bar.set_length(all);
         }
@@ -255,7 +258,9 @@ mod tests {
         // Both go on at the same time: together they take twice as long.
         assert!(progress.stages().solve >= 0.010);
         assert_eq!(at(Place::default(), "layout"), "layout");
-        assert_eq!(at(second, "layout"), "component 2, round 2: layout");
+        assert_eq!(at(second, "layout"), "component 2/3, round 2: layout");
+        (second.components, second.chart, second.charts) = (1, 4, 7);
+        assert_eq!(at(second, "layout"), "piece 5/7, round 2: layout");
     }
 
     #[test]

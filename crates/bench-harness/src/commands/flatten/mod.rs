@@ -106,8 +106,11 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     if record.atlas.is_some() && settings.history.is_some() {
         console::note(&record.mesh, "charts are flattened many times: no iterations are kept of them");
     }
-    let repairs = record.atlas.iter().flat_map(|atlas| &atlas.repairs);
-    repairs.for_each(|repair| console::note(&record.mesh, repair));
+    // The table of a single mesh says it on a line of its own.
+    if settings.sources.len() > 1 {
+        let repairs = record.atlas.iter().flat_map(|atlas| &atlas.repairs);
+        repairs.for_each(|repair| console::note(&record.mesh, repair));
+    }
     for note in [advice::climb(&record), advice::precision(&record), advice::overlap(&record)].into_iter().flatten() {
         console::note(&record.mesh, &note);
     }
