@@ -4,7 +4,7 @@ use crate::atlas::{Atlas, AtlasError, AtlasPages, Packed};
 use crate::unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped};
 use crate::{Pipeline, Solver};
 use abf_control::{Observer, Silent};
-use abf_cut::Weld;
+use abf_cut::{DoubleSided, Weld};
 use abf_mesh::{GeometryError, Point2, Point3, TriMesh};
 use abf_metrics::Precision;
 use std::collections::HashMap;
@@ -140,6 +140,13 @@ impl ArrayUnwrapper {
     #[must_use]
     pub fn weld(mut self, weld: Weld) -> Self {
         self.unwrap.weld = weld;
+        self
+    }
+
+    /// What becomes of faces with the same three vertices.
+    #[must_use]
+    pub fn double_sided(mut self, double_sided: DoubleSided) -> Self {
+        self.unwrap.double_sided = double_sided;
         self
     }
 

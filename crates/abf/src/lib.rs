@@ -24,6 +24,7 @@ mod arrays;
 mod atlas;
 mod error;
 mod flattening;
+mod judge;
 mod precision_limits;
 mod run;
 mod settings;
@@ -45,7 +46,7 @@ pub use abf_control::{
     Cancelled, Event, Fallback, IterationRecord, Observer, Place, SettingError, Silent, Stage, StopCriteria,
     Termination, UnknownName, Verdict,
 };
-pub use abf_cut::Weld;
+pub use abf_cut::{DoubleSided, Weld};
 pub use abf_metrics::{Certificate, Metrics, MetricsError, Precision};
 pub use abf_pack::{Effort, PackError};
 pub use abf_reconstruct::{LayoutKind, LayoutSettings};
@@ -57,6 +58,7 @@ pub use arrays::{ArrayError, ArrayUnwrapper, UnwrappedArrays};
 pub use atlas::{Atlas, AtlasError, AtlasPages, Packed, Placement, Stored};
 pub use error::FlattenError;
 pub use flattening::{Flattening, LayoutReport, RungReport};
+pub use judge::{JudgeError, Judgement, judge};
 pub use precision_limits::PrecisionLimits;
 pub use run::flatten;
 pub use settings::*;

@@ -1,6 +1,6 @@
 //! Any mesh in: what comes out, and how it maps back.
 
-use abf::cut::{HoleFilling, Weld};
+use abf::cut::{DoubleSided, HoleFilling, Weld};
 use abf::mesh::{CornerId, FaceId, Point3, Topology, TriMesh, UvId, UvMap, VertexId};
 use abf::{
     Event, FlattenError, HoleRule, Observer, Pipeline, SeamRule, Silent, SurfaceHints, Unwrap, UnwrapError, Unwrapped,
@@ -148,8 +148,9 @@ fn dropped_faces_go_with_their_twins_and_turned_ones_keep_their_corners() {
     let [a, b, c] = faces[7];
     faces.push([c, b, a]);
     faces.push([a, a, b]);
-    let unwrapped = unwrap(&with_faces(&disk, &faces));
-    let uv = unwrapped.uv();
+    let mesh = with_faces(&disk, &faces);
+    let settings = Unwrap { double_sided: DoubleSided::Shared, ..Unwrap::default() };
+    let uv = settings.run(&mesh, &SurfaceHints::default(), &mut Silent).expect("charts").uv();
     let (twin, point) = (FaceId::new(faces.len() - 2), FaceId::new(faces.len() - 1));
     let [p, q, r] = clean.triangle(FaceId::new(7));
     assert_eq!(uv.triangle(twin), [r, q, p]);

@@ -32,6 +32,17 @@ pub enum Weld {
     Within(f64),
 }
 
+impl Weld {
+    /// The same rule for a mesh whose coordinates were multiplied by `factor`.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        match self {
+            Self::Within(distance) => Self::Within(distance * factor),
+            rule => rule,
+        }
+    }
+}
+
 /// A mesh with shared vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Welded {

@@ -19,7 +19,7 @@ pub(super) fn judge(
     uv: &UvMap,
     precision: Precision,
 ) -> Result<Judged, MetricsError> {
-    let mut parts = Parts::new(mesh, unwrapped, uv);
+    let mut parts = Parts::new(mesh, &unwrapped.turned, uv);
     let sorted = |charts: &mut dyn Iterator<Item = &UnwrappedChart>| {
         let mut faces: Vec<FaceId> = charts.flat_map(|chart| chart.faces.iter().copied()).collect();
         faces.sort_unstable();
@@ -48,7 +48,7 @@ pub(super) fn judge(
 }
 
 /// Takes parts of a mesh and its map, with their own vertices and points only.
-struct Parts<'a> {
+pub(crate) struct Parts<'a> {
     mesh: &'a TriMesh,
     uv: &'a UvMap,
     is_turned: Vec<bool>,
@@ -58,14 +58,15 @@ struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    fn new(mesh: &'a TriMesh, unwrapped: &Unwrapped, uv: &'a UvMap) -> Self {
+    /// With the faces that repair turned around.
+    pub(crate) fn new(mesh: &'a TriMesh, turned: &[FaceId], uv: &'a UvMap) -> Self {
         let mut is_turned = vec![false; mesh.face_count()];
-        unwrapped.turned.iter().for_each(|f| is_turned[f.index()] = true);
+        turned.iter().for_each(|f| is_turned[f.index()] = true);
         Self { mesh, uv, is_turned, vertices: vec![None; mesh.vertex_count()], points: vec![None; uv.points().len()] }
     }
 
     /// Some faces, those that repair turned around as it turned them, with the vertices of the mesh for theirs.
-    fn of(&mut self, faces: &[FaceId]) -> (TriMesh, UvMap, Vec<VertexId>) {
+    pub(crate) fn of(&mut self, faces: &[FaceId]) -> (TriMesh, UvMap, Vec<VertexId>) {
         let (mut vertices, mut points) = (Vec::new(), Vec::new());
         let (mut triangles, mut corners) = (Vec::with_capacity(faces.len()), Vec::with_capacity(3 * faces.len()));
         for face in faces {
@@ -97,7 +98,7 @@ impl<'a> Parts<'a> {
 }
 
 /// A certificate of some faces in the numbers of all.
-fn in_input(mut certificate: Certificate, faces: &[FaceId], vertices: &[VertexId]) -> Certificate {
+pub(crate) fn in_input(mut certificate: Certificate, faces: &[FaceId], vertices: &[VertexId]) -> Certificate {
     let input = |f: &mut FaceId| *f = faces[f.index()];
     certificate.flipped_faces.iter_mut().for_each(input);
     certificate.collapsed_faces.iter_mut().for_each(input);

@@ -9,6 +9,7 @@ use abf_mesh::{Point2, TriMesh, UvMap};
 use abf_metrics::{Metrics, MetricsError, Precision};
 use abf_pack::{Effort, PackError, PackSettings, Packing, Piece};
 use abf_parallel::prelude::*;
+pub(crate) use judge::{Parts, in_input};
 use std::collections::HashMap;
 
 /// How charts are laid out in the unit square.

@@ -41,7 +41,8 @@ pub(super) fn unwrapped(
         without_area: without_area.len(),
         // These first: others may go where they are.
         followers: in_one_point.chain(followers(joined, repaired)).collect(),
-        turned: turned(repaired),
+        turned: repaired.turned_faces(),
+        shared: repaired.duplicates.len(),
         corner_count: 3 * input.face_count(),
     };
     find_seams(&mut whole, input, repaired, checkpoint)?;
@@ -95,13 +96,6 @@ fn in_no_chart(parts: &[Chart], repaired: &Repaired, finished: &[Vec<Finished>])
         nowhere.extend(left.map(|(f, _)| repaired.faces[f.index()]));
     }
     nowhere
-}
-
-fn turned(repaired: &Repaired) -> Vec<FaceId> {
-    let turned = repaired.faces.iter().zip(&repaired.turned).filter(|&(_, &turned)| turned);
-    let mut turned: Vec<FaceId> = turned.map(|(&face, _)| face).collect();
-    turned.sort_unstable();
-    turned
 }
 
 /// Where corners of dropped faces go: with those of their twins; where a vertex is used twice, all three to the first

@@ -16,7 +16,8 @@ mod unfinished;
 use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolveReport, SolverKind, ZeroArea};
 use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, UnknownName, ask};
 use abf_cut::{
-    Chart, CostSettings, HoleFilling, RepairReport, Seams, Weld, label_borders, repair, split, uv_borders, weld,
+    Chart, CostSettings, DoubleSided, HoleFilling, RepairReport, Seams, Weld, label_borders, repair_with, split,
+    uv_borders, weld,
 };
 use abf_mesh::{CornerId, FaceId, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::Metrics;
@@ -65,6 +66,8 @@ pub struct Unwrap {
     pub cut_disks: bool,
     /// Which vertices in one place are joined. The result is in terms of the input: its vertices stay.
     pub weld: Weld,
+    /// What becomes of faces with the same three vertices.
+    pub double_sided: DoubleSided,
     /// Whether a mesh that needs repair, or has faces without area, is refused.
     pub strict: bool,
 }
@@ -85,6 +88,7 @@ impl Default for Unwrap {
             part_overlaps: true,
             cut_disks: false,
             weld: Weld::Auto,
+            double_sided: DoubleSided::Own,
             strict: false,
         }
     }
@@ -141,6 +145,8 @@ pub struct Unwrapped {
     pub followers: Vec<(CornerId, CornerId)>,
     /// The faces of the input that repair turned around, ascending: their UVs run the other way.
     pub turned: Vec<FaceId>,
+    /// How many faces lie on the UVs of an earlier face with the same vertices ([`DoubleSided::Shared`]).
+    pub shared: usize,
     corner_count: usize,
 }
 
@@ -212,13 +218,9 @@ impl Unwrap {
         let in_range = mesh.in_range();
         let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
         ask(observer, Event::Working)?;
-        let rule = match self.weld {
-            Weld::Within(distance) => Weld::Within(distance * scale),
-            rule => rule,
-        };
-        let welded = weld(working, rule);
+        let welded = weld(working, self.weld.scaled(scale));
         ask(observer, Event::Working)?;
-        let mut repaired = repair(welded.as_ref().map_or(working, |welded| &welded.mesh))?;
+        let mut repaired = repair_with(welded.as_ref().map_or(working, |welded| &welded.mesh), self.double_sided)?;
         repaired.report.joined_vertices = welded.as_ref().map(|welded| welded.joined).unwrap_or_default();
         ask(observer, Event::Working)?;
         if self.strict {

@@ -24,6 +24,8 @@ pub(crate) struct Charting {
     pub(crate) remap: Option<PathBuf>,
     /// Whether texture coordinates may be replaced.
     pub(crate) overwrite: bool,
+    /// Whether an atlas with overlaps is as asked.
+    pub(crate) may_overlap: bool,
     /// Whether the output is a glTF, which stores 32 bits.
     pub(crate) to_gltf: bool,
 }
@@ -95,6 +97,7 @@ impl Charting {
                 crease_angle: args.crease_angle.map_or(unwrap.crease_angle, f64::to_radians),
                 cut_disks: args.cut_disks,
                 weld: args.weld.unwrap_or(unwrap.weld),
+                double_sided: args.double_sided.unwrap_or(unwrap.double_sided),
                 strict: args.strict,
                 ..unwrap
             },
@@ -113,6 +116,7 @@ impl Charting {
             seam_lines: args.seam_lines,
             remap: args.remap,
             overwrite: args.overwrite,
+            may_overlap: args.overlap == Some(true),
             to_gltf,
         })
     }

@@ -11,7 +11,7 @@ use crate::show::console;
 use crate::show::files;
 use crate::show::show;
 use crate::show::table;
-use abf::{Metrics, MetricsError, Precision};
+use abf::{JudgeError, Judgement, MetricsError, Precision, Weld};
 use abf_mesh::io::MeshFormat;
 use abf_mesh::{Topology, TriMesh, UvMap, io};
 use std::path::Path;
@@ -24,7 +24,7 @@ pub(crate) fn judge_all(args: &MetricsArgs, typed: &Typed) -> Outcome {
         console::failure(&failure);
         return Outcome::Failed;
     }
-    let records: Vec<Record> = args.files.iter().map(|file| judge(file, typed)).collect();
+    let records: Vec<Record> = args.files.iter().map(|file| judge(file, args, typed)).collect();
     let worst = records.iter().map(Record::outcome).max().unwrap_or(Outcome::AsAsked);
     match show(&table::of_meshes(&records), || to_json(&records), json.as_ref()) {
         Ok(()) => worst,
@@ -36,9 +36,9 @@ pub(crate) fn judge_all(args: &MetricsArgs, typed: &Typed) -> Outcome {
 }
 
 /// Reads and judges one file. Whatever goes wrong is in the record and on stderr.
-fn judge(path: &Path, typed: &Typed) -> Record {
+fn judge(path: &Path, args: &MetricsArgs, typed: &Typed) -> Record {
     let mut record = Record { mesh: path.display().to_string(), ..Record::default() };
-    if let Err(mut failure) = fill(path, &mut record) {
+    if let Err(mut failure) = fill(path, args, &mut record) {
         typed.fit_failure(&mut failure);
         console::failure(&failure);
         record.error = Some(failure);
@@ -47,7 +47,7 @@ fn judge(path: &Path, typed: &Typed) -> Record {
 }
 
 /// Fills the record as far as it gets.
-fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
+fn fill(path: &Path, args: &MetricsArgs, record: &mut Record) -> Result<(), Failure> {
     let heap = HeapWatch::start();
     let begin = Instant::now();
     let file = io::read(path).map_err(|error| Failure::read(&error))?;
@@ -60,8 +60,10 @@ fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
     let built = begin.elapsed().as_secs_f64();
 
     let uv = file.uv.ok_or_else(|| Failure::no_uv(&record.mesh, file.notes.uv_dropped))?;
-    let metrics = measured(&file.mesh, uv, MeshFormat::of_input(path), file.notes.uv_single);
-    record.quality = Some(Quality::new(&metrics.map_err(|error| Failure::metrics(&record.mesh, &error))?));
+    let (uv, precision) = as_stored(uv, MeshFormat::of_input(path), file.notes.uv_single);
+    let repair = (!args.as_stored).then(|| args.weld.unwrap_or_default());
+    let quality = judged(&file.mesh, &uv, precision, repair);
+    record.quality = Some(quality.map_err(|error| Failure::metrics(&record.mesh, &error))?);
     if let Some(overlap) = advice::overlap(record) {
         console::note(&record.mesh, &overlap);
     }
@@ -73,15 +75,25 @@ fn fill(path: &Path, record: &mut Record) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The figures of the UVs as the file stores them.
-fn measured(mesh: &TriMesh, uv: UvMap, format: Option<MeshFormat>, is_single: bool) -> Result<Metrics, MetricsError> {
-    let uv = match format {
+/// The UVs as the file stores them, and in what.
+fn as_stored(uv: UvMap, format: Option<MeshFormat>, is_single: bool) -> (UvMap, Precision) {
+    match format {
         // It stores 1 − v, which has been turned back without rounding.
-        Some(format) if format.is_gltf() => uv,
-        _ if !is_single => return abf_metrics::measure(mesh, &uv),
+        Some(format) if format.is_gltf() => (uv, Precision::Single),
+        _ if !is_single => (uv, Precision::Double),
         // Binary files hold them rounded; the digits of a text may say more than it stores.
-        _ => uv.mapped(|p| p.map(|x| Precision::Single.round(x))),
-    };
-    let certificate = abf_metrics::certify_stored(mesh, &uv, Precision::Single)?;
-    abf_metrics::measure_certified(mesh, &uv, certificate)
+        _ => (uv.mapped(|p| p.map(|x| Precision::Single.round(x))), Precision::Single),
+    }
+}
+
+/// The figures of the UVs; of the faces as they are where there is no `repair`, or where it leaves none.
+fn judged(mesh: &TriMesh, uv: &UvMap, precision: Precision, repair: Option<Weld>) -> Result<Quality, MetricsError> {
+    match repair.map(|weld| abf::judge(mesh, uv, weld, precision)) {
+        Some(Ok(Judgement { metrics, turned, shared, .. })) => Ok(Quality::of_repaired(&metrics, turned, shared)),
+        Some(Err(JudgeError::Metrics(error))) => Err(error),
+        Some(Err(_)) | None => {
+            let certificate = abf_metrics::certify_stored(mesh, uv, precision)?;
+            Ok(Quality::new(&abf_metrics::measure_certified(mesh, uv, certificate)?))
+        }
+    }
 }

@@ -44,6 +44,9 @@ pub(crate) struct Atlas {
     /// Whether every chart has to be within it: not where the length of seams is limited.
     #[serde(rename = "max_stretch_binds")]
     pub(crate) is_bound: bool,
+    /// Whether charts may lie over themselves.
+    #[serde(rename = "overlap_allowed", default)]
+    pub(crate) may_overlap: bool,
     /// What was repaired, in words.
     pub(crate) repairs: Vec<String>,
 }
@@ -136,11 +139,12 @@ impl Charted {
 }
 
 impl Atlas {
-    /// Whether every chart is finished, lies nowhere over itself and is within the aim, where seams may be as long as that
-    /// takes.
+    /// Whether every chart is finished, lies nowhere over itself unless that is allowed, and is within the aim, where seams
+    /// may be as long as that takes.
     pub(crate) fn is_as_asked(&self) -> bool {
         let is_within = |chart: &Charted| !self.is_bound || !(chart.stretch_l2 > self.max_stretch * WITHIN);
-        self.charts.iter().all(|chart| chart.injective && !chart.unfinished && is_within(chart))
+        let is_apart = |chart: &Charted| chart.injective || self.may_overlap;
+        self.charts.iter().all(|chart| is_apart(chart) && !chart.unfinished && is_within(chart))
     }
 
     /// How many holes were closed: parts of a component have the same.

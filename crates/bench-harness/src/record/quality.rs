@@ -33,6 +33,12 @@ pub(crate) struct Quality {
     pub(crate) touches: usize,
     /// Triangles without area on the surface, which are not in the figures.
     pub(crate) degenerate_3d: usize,
+    /// Triangles that repair turned around, judged so.
+    #[serde(default)]
+    pub(crate) turned: usize,
+    /// Triangles with the vertices and the UVs of an earlier one, not judged.
+    #[serde(default)]
+    pub(crate) shared: usize,
     /// Connected components of the UVs.
     pub(crate) charts: usize,
     /// `F / 3nt`, rad².
@@ -88,6 +94,11 @@ pub(crate) struct Quality {
 }
 
 impl Quality {
+    /// The judgement of the UVs of a mesh that was repaired.
+    pub(crate) fn of_repaired(m: &Metrics, turned: usize, shared: usize) -> Self {
+        Self { turned, shared, ..Self::new(m) }
+    }
+
     /// The judgement of the UVs.
     pub(crate) fn new(m: &Metrics) -> Self {
         let faces = |faces: &[FaceId]| faces.iter().map(|face| face.index()).collect();
@@ -104,6 +115,8 @@ impl Quality {
             nested: m.nested,
             touches: m.touches,
             degenerate_3d: m.degenerate_3d,
+            turned: 0,
+            shared: 0,
             charts: m.charts,
             f: known(m.f),
             f_weighted: known(m.f_weighted),

@@ -209,6 +209,7 @@ impl Dice {
             diagonal: self.figure(),
             max_stretch: self.number(),
             is_bound: self.yes(),
+            may_overlap: self.yes(),
             repairs: self.some(Self::text),
         }
     }

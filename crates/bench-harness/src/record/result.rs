@@ -73,12 +73,18 @@ impl Record {
     pub(crate) fn outcome(&self) -> Outcome {
         let as_asked = self.termination().is_none_or(abf::Termination::is_as_asked);
         let valid = self.quality.as_ref().is_some_and(|quality| quality.valid) || self.not_run.is_some();
-        let as_asked = as_asked && self.atlas.as_ref().is_none_or(Atlas::is_as_asked);
+        let as_asked = as_asked && self.atlas.as_ref().is_none_or(|atlas| self.is_as_asked(atlas));
         match &self.error {
             Some(failure) if !failure.is_cancelled() => Outcome::Failed,
             None if as_asked && valid => Outcome::AsAsked,
             _ => Outcome::NotAsAsked,
         }
+    }
+
+    fn is_as_asked(&self, atlas: &Atlas) -> bool {
+        // No chart over another, either.
+        let is_apart = self.quality.as_ref().is_none_or(|quality| quality.injective);
+        atlas.is_as_asked() && (is_apart || atlas.may_overlap)
     }
 
     /// One word, or two, on how it went.

@@ -21,6 +21,10 @@ pub(crate) struct Charts {
     pub(crate) record: AtlasRecord,
     /// The ends of every edge that is a seam.
     pub(crate) seams: Vec<[abf_mesh::VertexId; 2]>,
+    /// How many faces repair turned around.
+    pub(crate) turned: usize,
+    /// How many faces share the UVs of another.
+    pub(crate) shared: usize,
     /// How long it took to make them, without the packing, seconds.
     pub(crate) charts_s: f64,
 }
@@ -63,25 +67,21 @@ pub(crate) fn charts(
     progress.say("packing");
     let packed = charting.atlas.pack(mesh, &unwrapped, known.materials.as_deref(), stored);
     let packed = packed.map_err(|error| Failure::atlas(&loaded.name, &error))?;
-    let record = record(&unwrap, &charting.atlas, &unwrapped, &packed);
-    Ok(Charts { packed, record, seams: unwrapped.seams, charts_s })
+    let record = record(&unwrap, charting, &unwrapped, &packed);
+    let (turned, shared) = (unwrapped.turned.len(), unwrapped.shared);
+    Ok(Charts { packed, record, seams: unwrapped.seams, turned, shared, charts_s })
 }
 
-fn record(unwrap: &Unwrap, atlas: &Atlas, unwrapped: &Unwrapped, packed: &Packed) -> AtlasRecord {
+fn record(unwrap: &Unwrap, charting: &Charting, unwrapped: &Unwrapped, packed: &Packed) -> AtlasRecord {
+    let atlas = &charting.atlas;
     let repairs: &RepairReport = &unwrapped.repairs;
     let mut said = repairs.sentences();
     if unwrapped.without_area > 0 {
         let faces = count(unwrapped.without_area, "face", "faces");
         said.push(format!("{faces} of components without any area put into one point"));
     }
-    if !unwrapped.turned.is_empty() || !unwrapped.followers.is_empty() {
-        let (turned, dropped) = (unwrapped.turned.len(), unwrapped.followers.len().div_ceil(3));
-        said.push(format!(
-            "faces are written with the corners of the file, and judged as repaired: `metrics` of the output counts {} \
-             that were turned around, and {} that were dropped, as they stand there",
-            count(turned, "face", "faces"),
-            count(dropped, "face", "faces")
-        ));
+    if unwrapped.shared > 0 {
+        said.push(format!("{} the texels of another", count(unwrapped.shared, "face shares", "faces share")));
     }
     let charted = |(chart, at): (&UnwrappedChart, &Placement)| Charted::new(&unwrap.pipeline, chart, at);
     AtlasRecord {
@@ -97,6 +97,7 @@ fn record(unwrap: &Unwrap, atlas: &Atlas, unwrapped: &Unwrapped, packed: &Packed
         diagonal: unwrapped.diagonal,
         max_stretch: unwrap.max_stretch,
         is_bound: unwrap.max_seam.is_none(),
+        may_overlap: charting.may_overlap,
         repairs: said,
     }
 }

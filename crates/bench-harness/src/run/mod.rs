@@ -144,7 +144,7 @@ fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Can
     let mut progress = watch(loaded, method, cancel);
     let made = rayon::scope(|_| charts(charting, loaded, &method.pipeline, &mut progress));
     progress.end_stages();
-    let Charts { packed, record: atlas, seams, charts_s } = match made {
+    let Charts { packed, record: atlas, seams, turned, shared, charts_s } = match made {
         Ok(charts) => charts,
         Err(failure) => {
             let mesh_is_unusable = failure.kind.is_of_the_mesh();
@@ -157,7 +157,7 @@ fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Can
     record.notes.extend(atlas.repairs.iter().cloned());
     record.run = Run::of_charts(&method.pipeline, atlas.charts.iter().map(|chart| &chart.solved));
     record.atlas = Some(atlas);
-    record.quality = Some(Quality::new(&packed.metrics));
+    record.quality = Some(Quality::of_repaired(&packed.metrics, turned, shared));
     record.timings_s = Some(Timings {
         read: loaded.read_s,
         stages: Stages { flatten: charts_s, flatten_cpu: None, ..progress.stages() },

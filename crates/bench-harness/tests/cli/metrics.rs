@@ -3,6 +3,7 @@
 use crate::support::{Folder, fixture, run, run_on};
 use crate::surfaces;
 use serde_json::Value;
+use std::path::{Path, PathBuf};
 
 /// Everything that judging says about the mesh and its UVs.
 const JUDGED: [&str; 20] = [
@@ -32,6 +33,74 @@ const JUDGED: [&str; 20] = [
 fn square_around(centre: &str) -> String {
     let vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
     format!("{vertices}vt {centre}\nf 1/1 2/2 5/5\nf 2/2 3/3 5/5\nf 3/3 4/4 5/5\nf 4/4 1/1 5/5\n")
+}
+
+/// A grid of 4 × 3 squares that is bent, with a back that is the same faces turned around, and one face of the front turned.
+fn leaf() -> String {
+    let points: Vec<[f64; 3]> =
+        (0..20).map(|i| [f64::from(i % 5), f64::from(i / 5), 0.1 * f64::from(i % 5).powi(2)]).collect();
+    let square = |i: usize| {
+        let a = i / 4 * 5 + i % 4;
+        [[a, a + 1, a + 6], [a, a + 6, a + 5]]
+    };
+    let mut faces: Vec<[usize; 3]> = (0..12).flat_map(square).collect();
+    faces.extend(faces.clone().into_iter().map(|[a, b, c]| [c, b, a]));
+    faces[4].swap(1, 2);
+    surfaces::obj(&points, &faces)
+}
+
+/// What `metrics` says of the file that a run wrote, beside what the run said.
+fn run_and_judge(input: &Path, options: &str, folder: &Folder) -> (Value, Value) {
+    let out = folder.path("out.obj");
+    let of_run = run_on(&format!("--json - {options} -o {}", out.display()), &[input]).result();
+    let of_file = run_on("metrics --json -", &[&out]).result();
+    (of_run, of_file)
+}
+
+/// The figures that do not need a manifold.
+fn assert_same_judgement(name: &str, of_run: &Value, of_file: &Value) {
+    let of_uvs = JUDGED.iter().filter(|field| !["interior_vertices", "boundary_loops"].contains(field));
+    for field in of_uvs.chain(&["turned", "shared", "overlapping_faces"]) {
+        assert_eq!(of_file[field], of_run[field], "{name}: {field}");
+    }
+}
+
+#[test]
+fn the_sides_of_a_leaf_have_texels_of_their_own_or_share_them_and_the_file_says_the_same() {
+    let folder = Folder::new();
+    let leaf = folder.file("leaf.obj", leaf());
+    for (options, shared) in [("", 0), ("--double-sided shared", 24)] {
+        let (of_run, of_file) = run_and_judge(&leaf, options, &folder);
+        assert_same_judgement(options, &of_run, &of_file);
+        assert_eq!((&of_file["shared"], &of_file["turned"]), (&shared.into(), &1.into()), "{options}");
+        assert_eq!(of_file["injective"], true, "{options}");
+    }
+    // As the file has them, the sides that share lie on each other.
+    let out = folder.path("out.obj");
+    let as_stored = run_on("metrics --as-stored --json -", &[&out]).result();
+    assert_eq!((&as_stored["injective"], &as_stored["shared"]), (&false.into(), &0.into()));
+}
+
+#[test]
+#[allow(clippy::print_stdout, reason = "what is skipped is said")]
+fn what_a_run_says_of_double_sided_and_one_sided_models_is_what_the_file_says() {
+    let Some(models) = std::env::var_os("ABF_MODELS").map(PathBuf::from) else {
+        println!("ABF_MODELS is not set: 3 models skipped");
+        return;
+    };
+    for file in ["../cases/doublesided.obj", "../assets/chair.obj", "raw/gc-moebius.obj"] {
+        let input = models.join(file);
+        if !input.exists() {
+            println!("{} is not there: skipped", input.display());
+            continue;
+        }
+        let folder = Folder::new();
+        for options in ["--double-sided own", "--double-sided shared"] {
+            let (of_run, of_file) = run_and_judge(&input, options, &folder);
+            assert_same_judgement(&format!("{file} {options}"), &of_run, &of_file);
+            assert_eq!(of_file["injective"], true, "{file} {options}");
+        }
+    }
 }
 
 #[test]

@@ -9,12 +9,14 @@
 //!   where the two orientations meet.
 //! * A vertex is there once for each fan of faces around it.
 
+mod layers;
 mod orient;
 mod pairs;
 mod report;
 
 use crate::paths::Joined;
 use abf_mesh::{CornerId, FaceId, GeometryError, Topology, TopologyError, TriMesh, VertexId};
+pub use layers::{DoubleSided, repair_with};
 use pairs::Pairs;
 pub use report::{Found, RepairReport};
 
@@ -65,6 +67,15 @@ impl Repaired {
         let face = corner.face().index();
         let place = if self.turned[face] { [0, 2, 1][corner.place()] } else { corner.place() };
         self.faces[face].corner(place)
+    }
+
+    /// The faces of the input that were turned around, ascending.
+    #[must_use]
+    pub fn turned_faces(&self) -> Vec<FaceId> {
+        let turned = self.faces.iter().zip(&self.turned).filter(|&(_, &turned)| turned);
+        let mut turned: Vec<FaceId> = turned.map(|(&face, _)| face).collect();
+        turned.sort_unstable();
+        turned
     }
 }
 

@@ -25,6 +25,8 @@ impl Found {
 pub struct RepairReport {
     /// Faces dropped because an earlier one has the same three vertices; the first by its number.
     pub duplicate_faces: Found,
+    /// Faces that have the same three vertices as an earlier one, and copies of them for a place of their own.
+    pub double_faces: Found,
     /// Faces dropped because they use a vertex twice.
     pub repeated_vertex_faces: Found,
     /// Faces turned around to agree with most of their piece.
@@ -67,9 +69,10 @@ impl RepairReport {
     }
 
     /// What was changed, in words for one and for several.
-    fn changes(&self) -> [(Found, [&'static str; 2]); 6] {
+    fn changes(&self) -> [(Found, [&'static str; 2]); 7] {
         [
             (self.duplicate_faces, ["duplicate face dropped", "duplicate faces dropped"]),
+            (self.double_faces, ["face on another given room of its own", "faces on others given room of their own"]),
             (
                 self.repeated_vertex_faces,
                 ["face that uses a vertex twice dropped", "faces that use a vertex twice dropped"],

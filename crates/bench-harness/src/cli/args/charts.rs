@@ -1,7 +1,8 @@
 //! The options of seams, holes and the atlas.
 
 use super::method::one_of;
-use abf::{AtlasPages, Effort, HoleRule, Weld};
+use abf::{AtlasPages, DoubleSided, Effort, HoleRule, Weld};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -36,6 +37,13 @@ pub(crate) struct ChartArgs {
     /// file that is one disk; none; or those at most DISTANCE apart [default: auto]
     #[arg(long, hide_short_help = true, value_name = "auto|off|DISTANCE", allow_negative_numbers = true, help_heading = CHARTS)]
     pub(crate) weld: Option<Weld>,
+    /// What becomes of faces with the same three vertices, as the sides of a leaf: each has texels of its own, or all share
+    /// those of the first [default: own]
+    #[arg(long, hide_short_help = true, value_name = "own|shared", value_parser = one_of::<DoubleSided, _>(DoubleSided::ALL.map(DoubleSided::name)), help_heading = CHARTS)]
+    pub(crate) double_sided: Option<DoubleSided>,
+    /// Whether an atlas with charts over each other or over themselves is as asked (exit code 0) [default: refuse]
+    #[arg(long, hide_short_help = true, value_name = "refuse|allow", value_parser = PossibleValuesParser::new(["refuse", "allow"]).map(|rule| rule == "allow"), help_heading = CHARTS)]
+    pub(crate) overlap: Option<bool>,
     /// Refuse meshes that need repair, and faces without area
     #[arg(long, hide_short_help = true, help_heading = CHARTS)]
     pub(crate) strict: bool,
@@ -96,6 +104,8 @@ impl ChartArgs {
             || *cut_disks
             || weld.is_some()
             || *strict
+            || self.double_sided.is_some()
+            || self.overlap.is_some()
             || atlas.is_some()
             || resolution.is_some()
             || margin.is_some()

@@ -3,7 +3,7 @@
 mod charts;
 mod method;
 
-use abf::SolverKind;
+use abf::{SolverKind, Weld};
 use abf_shapes::Shape;
 pub(crate) use charts::{ChartArgs, SeamsFrom};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -194,6 +194,12 @@ pub(crate) struct MetricsArgs {
     /// Files with UVs: obj, off, ply, gltf or glb
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
+    /// Judge the faces as the file has them, without the repair that flattening makes first
+    #[arg(long)]
+    pub(crate) as_stored: bool,
+    /// Which vertices in one place that repair joins: as the option of flattening [default: auto]
+    #[arg(long, value_name = "auto|off|DISTANCE", allow_negative_numbers = true, conflicts_with = "as_stored")]
+    pub(crate) weld: Option<Weld>,
     /// Write the results as JSON; with - to stdout, and the table goes to stderr
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,

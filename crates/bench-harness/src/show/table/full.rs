@@ -239,6 +239,13 @@ fn distortion_lines(m: &Quality) -> Vec<(&'static str, String)> {
         ("stretch", format!("L2 {}, L∞ {}", significant(m.stretch_l2, DIGITS + 1), figure(m.stretch_linf))),
         ("area error", format!("L2 of the logarithm {}", figure(m.area_l2))),
     ];
+    if m.turned > 0 || m.shared > 0 {
+        let turned = count(m.turned, "triangle turned around", "triangles turned around");
+        let shared = count(m.shared, "shares the texels of another", "share the texels of others");
+        let said: Vec<String> =
+            [(m.turned, turned), (m.shared, shared)].into_iter().filter(|s| s.0 > 0).map(|s| s.1).collect();
+        lines.push(("as repaired", said.join(", ")));
+    }
     if m.degenerate_3d > 0 {
         let one = "triangle without area on the surface, not in these figures";
         let many = "triangles without area on the surface, not in these figures";

@@ -1,0 +1,142 @@
+//! UVs that a mesh has, judged as a run of [`Unwrap`](crate::Unwrap) judges what it makes.
+
+use crate::atlas::{Parts, in_input};
+use abf_cut::{DoubleSided, RepairError, Repaired, Weld, repair_with, weld};
+use abf_mesh::{FaceId, Point2, TriMesh, UvMap, VertexId};
+use abf_metrics::{Metrics, MetricsError, Precision, certify_stored, measure_certified};
+use std::collections::HashMap;
+
+/// What is known of the UVs of a mesh that may need repair.
+#[derive(Clone, Debug)]
+pub struct Judgement {
+    /// Distortion and certificate of the faces that repair keeps, each the way around that repair gives it, without those
+    /// that are [`shared`](Self::shared).
+    pub metrics: Metrics,
+    /// How many of the faces that are not shared repair turned around.
+    pub turned: usize,
+    /// How many faces have the vertices of an earlier face, and its UVs too: the two sides of a leaf with one picture.
+    pub shared: usize,
+    /// How many faces were not judged: those that use a vertex twice, and those without area in one point.
+    pub dropped: usize,
+}
+
+/// Why UVs cannot be judged.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum JudgeError {
+    /// There is nothing left after the repair.
+    #[error(transparent)]
+    Repair(#[from] RepairError),
+    /// The UVs cannot be measured.
+    #[error(transparent)]
+    Metrics(#[from] MetricsError),
+}
+
+/// Judges the UVs of a mesh after the repair that [`Unwrap`](crate::Unwrap) makes, with the same rule for vertices in one place.
+/// `precision` is what the UVs are stored in.
+///
+/// What [`Atlas::pack`](crate::Atlas::pack) says of one page is what this says of it, in the numbers of the mesh.
+///
+/// # Errors
+/// [`JudgeError`].
+pub fn judge(mesh: &TriMesh, uv: &UvMap, rule: Weld, precision: Precision) -> Result<Judgement, JudgeError> {
+    let in_range = mesh.in_range();
+    let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
+    let welded = weld(working, rule.scaled(scale));
+    let joined = welded.as_ref().map_or(working, |welded| &welded.mesh);
+    let repaired = repair_with(joined, DoubleSided::Own)?;
+    let is_shared = sharing(joined, uv, &repaired);
+    let mut turned = repaired.turned_faces();
+    turned.retain(|f| !is_shared[f.index()]);
+    let is_judged = |f: &FaceId| !is_shared[f.index()] && !is_in_one_point(mesh, uv, *f);
+    let mut faces: Vec<FaceId> = repaired.faces.iter().copied().filter(is_judged).collect();
+    faces.sort_unstable();
+    let shared = is_shared.iter().filter(|shared| **shared).count();
+    let dropped = mesh.face_count() - faces.len() - shared;
+    if turned.is_empty() && faces.len() == mesh.face_count() {
+        let metrics = measure_certified(mesh, uv, certify_stored(mesh, uv, precision)?)?;
+        return Ok(Judgement { metrics, turned: 0, shared, dropped });
+    }
+    let (part, map, vertices) = Parts::new(mesh, &turned, uv).of(&faces);
+    let certificate = in_input(certify_stored(&part, &map, precision)?, &faces, &vertices);
+    let metrics = measure_certified(&part, &map, certificate)?;
+    Ok(Judgement { metrics, turned: turned.len(), shared, dropped })
+}
+
+/// For every face of the mesh whether an earlier one has its vertices and its UVs.
+fn sharing(joined: &TriMesh, uv: &UvMap, repaired: &Repaired) -> Vec<bool> {
+    let mut is_shared = vec![false; joined.face_count()];
+    if repaired.report.double_faces.count == 0 {
+        return is_shared;
+    }
+    type Corner = (VertexId, [u64; 2]);
+    let mut known: HashMap<[Corner; 3], FaceId> = HashMap::new();
+    let mut faces = repaired.faces.clone();
+    faces.sort_unstable();
+    for face in faces {
+        let vertices = joined.faces()[face.index()];
+        let place = |p: Point2<f64>| [p.x, p.y].map(|x| (x + 0.0).to_bits());
+        let mut key = face.corners().map(|c| (vertices[c.place()], place(uv.corner(c))));
+        key.sort_unstable();
+        is_shared[face.index()] = known.insert(key, face).is_some();
+    }
+    is_shared
+}
+
+/// Whether a face without area has its corners in one point, as those of components without area have.
+fn is_in_one_point(mesh: &TriMesh, uv: &UvMap, face: FaceId) -> bool {
+    let [a, b, c] = uv.triangle(face);
+    let [p, q, r] = mesh.faces()[face.index()].map(|v| mesh.positions()[v.index()]);
+    a == b && b == c && (q - p).cross(&(r - p)).norm() == 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Atlas, SurfaceHints, Unwrap};
+    use abf_control::Silent;
+    use abf_mesh::Point3;
+
+    /// A sheet of 4 × 4 squares in space with its back, one face of the front turned around.
+    fn leaf() -> TriMesh {
+        let bent = |i: usize| {
+            let (x, y) = ((i % 5) as f64, (i / 5) as f64);
+            Point3::new(x, y, 0.1 * x * x)
+        };
+        let square = |i: usize| {
+            let a = i / 4 * 5 + i % 4;
+            [[a, a + 1, a + 6], [a, a + 6, a + 5]]
+        };
+        let mut faces: Vec<[usize; 3]> = (0..16).flat_map(square).collect();
+        faces.extend(faces.clone().into_iter().map(|[a, b, c]| [c, b, a]));
+        faces[5].swap(0, 1);
+        TriMesh::new((0..25).map(bent).collect(), &faces).expect("indices in range")
+    }
+
+    #[test]
+    fn what_a_run_says_of_an_atlas_is_what_the_judge_says_of_its_uvs() {
+        let mesh = leaf();
+        for (double_sided, shared, judged) in [(DoubleSided::Own, 0, 64), (DoubleSided::Shared, 32, 32)] {
+            let unwrap = Unwrap { double_sided, ..Unwrap::default() };
+            let unwrapped = unwrap.run(&mesh, &SurfaceHints::default(), &mut Silent).expect("charts");
+            let stored: (crate::Stored, Precision) = (|p| p, Precision::Double);
+            let packed = Atlas::default().pack(&mesh, &unwrapped, None, stored).expect("an atlas");
+            let of_file = judge(&mesh, &packed.uv, Weld::Auto, Precision::Double).expect("a judgement");
+            assert_eq!(of_file.metrics, packed.metrics, "{double_sided}");
+            assert!(of_file.metrics.injective());
+            assert_eq!((of_file.turned, of_file.shared, of_file.metrics.triangles), (1, shared, judged));
+            assert_eq!((unwrapped.turned.len(), unwrapped.shared, of_file.dropped), (1, shared, 0));
+        }
+    }
+
+    #[test]
+    fn faces_on_each_other_with_vertices_of_their_own_overlap() {
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from);
+        let mesh = TriMesh::new([points, points].concat(), &[[0, 1, 2], [3, 4, 5]]).expect("indices in range");
+        let flat: Vec<Point2<f64>> = mesh.positions().iter().map(|p| Point2::new(p.x, p.y)).collect();
+        let uv = UvMap::per_vertex(&mesh, &flat);
+        let judged = judge(&mesh, &uv, Weld::Auto, Precision::Double).expect("a judgement");
+        assert_eq!(judged.shared, 0);
+        assert!(!judged.metrics.injective());
+    }
+}
