@@ -265,6 +265,7 @@ impl Unwrap {
                 Err(error) => return Err(error),
             }
         }
+        let last = (parts.len() - 1, charts.last().map_or(0, |charts: &Vec<_>| charts.len().saturating_sub(1)));
         match nowhere.filter(|_| charts.iter().all(Vec::is_empty)) {
             Some(error) => Err(error),
             None => Ok(assemble::unwrapped(
@@ -275,7 +276,7 @@ impl Unwrap {
                 charts,
                 scale,
                 self.pipeline.precision,
-                &mut || ask(&mut relay.ear(parts.len() - 1), Event::Working),
+                &mut || ask(&mut relay.ear(last.0, last.1), Event::Working),
             )?),
         }
     }

@@ -9,7 +9,7 @@ use crate::run::load::Loaded;
 use crate::run::progress::Progress;
 use abf::cut::RepairReport;
 use abf::{
-    Atlas, AtlasPages, Packed, Pipeline, Placement, Precision, Stored, SurfaceHints, Unwrap, Unwrapped, UnwrappedChart,
+    AtlasPages, Packed, Pipeline, Placement, Precision, Stored, SurfaceHints, Unwrap, Unwrapped, UnwrappedChart,
 };
 use abf_mesh::io::stored_uv;
 use std::time::Instant;
