@@ -1,8 +1,7 @@
 //! Cutting along seams.
 
 use crate::Seams;
-use crate::paths::Joined;
-use abf_mesh::{CornerId, FaceId, Point3, Topology, TopologyError, TriMesh, VertexId};
+use abf_mesh::{CornerId, DisjointSets, FaceId, Point3, Topology, TopologyError, TriMesh, VertexId};
 
 /// A connected piece of a mesh, with the way back to it.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +50,7 @@ pub fn split(mesh: &TriMesh, topology: &Topology, seams: &Seams) -> Result<Vec<C
 
 /// The piece of every face, numbered by their lowest faces, and how many there are.
 fn pieces(topology: &Topology, seams: &Seams) -> (Vec<usize>, usize) {
-    let mut joined = Joined::new(topology.face_count());
+    let mut joined = DisjointSets::new(topology.face_count());
     for c in topology.corners().filter(|&c| !seams.contains(c)) {
         if let Some(o) = topology.opposite(c) {
             joined.unite(c.face().index(), o.face().index());

@@ -1,9 +1,9 @@
 //! A seam that reaches further.
 
-use crate::paths::{Front, Joined};
+use crate::paths::Front;
 use crate::seams::ends;
 use crate::{EdgeCosts, Seams};
-use abf_mesh::{Topology, VertexId};
+use abf_mesh::{DisjointSets, Topology, VertexId};
 
 /// Joins vertices to the seam by a Steiner tree of at most twice the least cost (Mehlhorn 1988), and says how many edges
 /// that took.
@@ -16,7 +16,7 @@ pub fn extend(topology: &Topology, costs: &EdgeCosts, seams: &mut Seams, termina
     let labelled = (1..).zip(terminals).map(|(label, &v)| (v, label));
     let front = Front::grow(topology, costs, root.chain(labelled));
     let bridges = front.bridges(topology, costs, terminals.len() + 1);
-    let mut joined = Joined::new(terminals.len() + 1);
+    let mut joined = DisjointSets::new(terminals.len() + 1);
     let labels_at = |c| ends(topology, c).map(|v| front.label(v).unwrap_or(0) as usize);
     for [a, b] in bridges.iter().map(|&c| labels_at(c)) {
         joined.unite(a, b);

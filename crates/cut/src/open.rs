@@ -1,9 +1,9 @@
 //! The least seam that makes a component a disk.
 
-use crate::paths::{Front, Joined};
+use crate::paths::Front;
 use crate::seams::{edges_at, ends, interior_edges};
 use crate::{EdgeCosts, Seams};
-use abf_mesh::{BoundaryLoop, CornerId, Topology, VertexId};
+use abf_mesh::{BoundaryLoop, CornerId, DisjointSets, Topology, VertexId};
 use std::collections::VecDeque;
 
 /// How many base points are tried for the loops of a closed surface with handles.
@@ -93,7 +93,7 @@ fn complement_of_faces(topology: &Topology, costs: &EdgeCosts, sources: &[(Verte
         })
         .collect();
     crossings.sort_unstable();
-    let mut joined = Joined::new(topology.face_count());
+    let mut joined = DisjointSets::new(topology.face_count());
     let mut seams = Seams::none(topology);
     for &(_, corner) in crossings.iter().rev() {
         let opposite = topology.opposite(corner).expect("interior edges have two sides");

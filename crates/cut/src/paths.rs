@@ -2,7 +2,7 @@
 
 use crate::EdgeCosts;
 use crate::seams::{edges_at, interior_edges, other_end};
-use abf_mesh::{CornerId, Topology, VertexId};
+use abf_mesh::{CornerId, DisjointSets, Topology, VertexId};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -100,35 +100,9 @@ impl Front {
             })
             .collect();
         candidates.sort_unstable();
-        let mut joined = Joined::new(labels);
+        let mut joined = DisjointSets::new(labels);
         candidates.retain(|&(_, _, from, to)| joined.unite(from as usize, to as usize));
         candidates.into_iter().map(|(_, corner, ..)| corner).collect()
-    }
-}
-
-/// Sets that are united (Tarjan 1975, by halving paths).
-pub(crate) struct Joined {
-    parent: Vec<u32>,
-}
-
-impl Joined {
-    pub(crate) fn new(count: usize) -> Self {
-        Self { parent: (0..count as u32).collect() }
-    }
-
-    pub(crate) fn find(&mut self, mut at: usize) -> usize {
-        while self.parent[at] as usize != at {
-            self.parent[at] = self.parent[self.parent[at] as usize];
-            at = self.parent[at] as usize;
-        }
-        at
-    }
-
-    /// `false` when they were one before. The lowest member stands for a set.
-    pub(crate) fn unite(&mut self, a: usize, b: usize) -> bool {
-        let (a, b) = (self.find(a), self.find(b));
-        self.parent[a.max(b)] = a.min(b) as u32;
-        a != b
     }
 }
 

@@ -3,10 +3,9 @@
 //! Vertices are joined along boundary edges only, where both ends of one edge are at the ends of another: a vertex that
 //! touches a surface elsewhere is left alone. Positions stay; of the joined vertices the faces use the lowest.
 
-use crate::paths::Joined;
 use crate::repair::Found;
 use abf_control::SettingError;
-use abf_mesh::{Point3, Topology, TriMesh, VertexId};
+use abf_mesh::{DisjointSets, Point3, Topology, TriMesh, VertexId};
 use std::collections::HashMap;
 use std::fmt;
 use std::str::FromStr;
@@ -65,7 +64,7 @@ pub fn weld(mesh: &TriMesh, rule: Weld) -> Option<Welded> {
         return None;
     }
     let places = Places::find(mesh, &edges, &tolerances(mesh, rule));
-    let mut joined = Joined::new(mesh.vertex_count());
+    let mut joined = DisjointSets::new(mesh.vertex_count());
     let mut by_place: Vec<([usize; 2], Edge)> = edges.iter().map(|&edge| places.along(edge)).collect();
     by_place.sort_by_key(|&(ends, edge)| (ends, edge.face));
     let tip_place = |edge: Edge| mesh.positions()[edge.tip.index()];
@@ -121,7 +120,7 @@ fn tolerances(mesh: &TriMesh, rule: Weld) -> Vec<f64> {
     let is_single = |x: &f64| f64::from(*x as f32) == *x;
     let is_single = mesh.positions().iter().all(|p| p.iter().all(is_single));
     let epsilon = if is_single { f64::from(f32::EPSILON) } else { f64::EPSILON };
-    let mut components = Joined::new(mesh.vertex_count());
+    let mut components = DisjointSets::new(mesh.vertex_count());
     for [a, b, c] in mesh.faces() {
         components.unite(a.index(), b.index());
         components.unite(b.index(), c.index());
@@ -164,7 +163,7 @@ impl Places {
         let width = if largest > 0.0 { CELL * largest } else { f64::MIN_POSITIVE };
         let range = |x: f64| [x - largest, x + largest].map(|x| (x / width).floor() as i64);
         let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
-        let mut joined = Joined::new(same.len());
+        let mut joined = DisjointSets::new(same.len());
         for (i, list) in same.iter().enumerate() {
             let p = at(list[0]);
             let [x, y, z] = [p.x, p.y, p.z].map(range);

@@ -9,6 +9,7 @@
 //! oriented manifolds with boundary; [`Topology::require_disk`] accepts one component with one
 //! boundary loop and no handle, which is what the angle constraints of every method need.
 
+mod disjoint_sets;
 mod disk;
 mod ids;
 #[cfg(feature = "io")]
@@ -18,6 +19,7 @@ mod topology;
 mod tri_mesh;
 mod uv_map;
 
+pub use disjoint_sets::DisjointSets;
 pub use disk::{BoundaryLoop, DiskError};
 pub use ids::{CornerId, FaceId, UvId, VertexId};
 pub use nalgebra::{Point2, Point3, Vector2, Vector3};

@@ -1,6 +1,6 @@
 //! Charts: the connected pieces of a UV map.
 
-use abf_mesh::{FaceId, TriMesh, UvId, UvMap, VertexId};
+use abf_mesh::{DisjointSets, FaceId, TriMesh, UvId, UvMap, VertexId};
 
 /// Which chart every face is in.
 pub(crate) struct Charts {
@@ -26,16 +26,16 @@ impl Charts {
         const UNNUMBERED: usize = usize::MAX;
         let mut sets = DisjointSets::new(uv.points().len());
         for face in uv.corners().chunks_exact(3) {
-            sets.join(face[0].index(), face[1].index());
-            sets.join(face[1].index(), face[2].index());
+            sets.unite(face[0].index(), face[1].index());
+            sets.unite(face[1].index(), face[2].index());
         }
         for (i, j) in repeated_points(mesh, uv) {
-            sets.join(i.index(), j.index());
+            sets.unite(i.index(), j.index());
         }
         let mut number = vec![UNNUMBERED; uv.points().len()];
         let mut count = 0;
         let chart_of = |face: &[UvId]| {
-            let root = sets.root(face[0].index());
+            let root = sets.find(face[0].index());
             if number[root] == UNNUMBERED {
                 number[root] = count;
                 count += 1;
@@ -64,39 +64,6 @@ fn repeated_points(mesh: &TriMesh, uv: &UvMap) -> Vec<(UvId, UvId)> {
     several.sort_unstable_by_key(key);
     let is_same = |a: &(VertexId, UvId), b: &(VertexId, UvId)| a.0 == b.0 && place(a.1) == place(b.1);
     several.windows(2).filter(|w| w[0].1 != w[1].1 && is_same(&w[0], &w[1])).map(|w| (w[0].1, w[1].1)).collect()
-}
-
-/// Union–find with path halving. The lower index becomes the root, so the result does not depend
-/// on anything but the sets.
-pub(crate) struct DisjointSets {
-    /// UV ids are made of 32 bits.
-    parent: Vec<u32>,
-}
-
-impl DisjointSets {
-    /// As many sets as there are elements.
-    pub(crate) fn new(len: usize) -> Self {
-        Self { parent: (0..len as u32).collect() }
-    }
-
-    /// The lowest element of a set.
-    pub(crate) fn root(&mut self, mut i: usize) -> usize {
-        loop {
-            let parent = self.parent[i];
-            if parent as usize == i {
-                return i;
-            }
-            let grandparent = self.parent[parent as usize];
-            self.parent[i] = grandparent;
-            i = grandparent as usize;
-        }
-    }
-
-    /// Makes one set of two.
-    pub(crate) fn join(&mut self, i: usize, j: usize) {
-        let (i, j) = (self.root(i), self.root(j));
-        self.parent[i.max(j)] = i.min(j) as u32;
-    }
 }
 
 #[cfg(test)]

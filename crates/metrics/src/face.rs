@@ -1,10 +1,10 @@
 //! The distortion of every triangle by itself.
 
-use abf_mesh::{FaceId, Point2, Point3, TriMesh, UvId, UvMap, VertexId};
+use abf_mesh::{DisjointSets, FaceId, Point2, Point3, TriMesh, UvId, UvMap, VertexId};
 use abf_parallel::prelude::*;
 
 use crate::MetricsError;
-use crate::charts::{Charts, DisjointSets};
+use crate::charts::Charts;
 use crate::triangle::{
     angles, is_within_rounding, largest_singular_value, power_of_two_scale, signed_uv_area, surface_area,
 };
@@ -291,10 +291,10 @@ impl<'a> Survey<'a> {
 fn component_surfaces(mesh: &TriMesh, areas: &[(f64, f64)]) -> Vec<f64> {
     let mut sets = DisjointSets::new(mesh.vertex_count());
     for [a, b, c] in mesh.faces() {
-        sets.join(a.index(), b.index());
-        sets.join(b.index(), c.index());
+        sets.unite(a.index(), b.index());
+        sets.unite(b.index(), c.index());
     }
-    let roots: Vec<usize> = mesh.faces().iter().map(|face| sets.root(face[0].index())).collect();
+    let roots: Vec<usize> = mesh.faces().iter().map(|face| sets.find(face[0].index())).collect();
     let mut totals = vec![0.0; mesh.vertex_count()];
     roots.iter().zip(areas).for_each(|(&root, &(surface, _))| totals[root] += surface);
     roots.iter().map(|&root| totals[root]).collect()

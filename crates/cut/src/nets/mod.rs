@@ -11,10 +11,9 @@ mod facets;
 mod net;
 
 use crate::Seams;
-use crate::paths::Joined;
 use crate::seams::interior_edges;
 use abf_control::{Cancelled, Checkpoint};
-use abf_mesh::{CornerId, FaceId, Point2, Topology, TriMesh};
+use abf_mesh::{CornerId, DisjointSets, FaceId, Point2, Topology, TriMesh};
 use facets::{Facets, Fold, compare, folds, normals, quantised};
 use net::Nets;
 use std::collections::HashMap;
@@ -203,7 +202,7 @@ impl Ord for Place {
 
 /// The smooth region of every face, by its lowest face.
 fn regions(topology: &Topology, facets: &Facets, smooth: &[Fold]) -> Vec<usize> {
-    let mut joined = Joined::new(topology.face_count());
+    let mut joined = DisjointSets::new(topology.face_count());
     for (c, o) in interior_edges(topology) {
         if facets.of_face[c.face().index()] == facets.of_face[o.face().index()] {
             joined.unite(c.face().index(), o.face().index());

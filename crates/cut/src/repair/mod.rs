@@ -14,8 +14,7 @@ mod orient;
 mod pairs;
 mod report;
 
-use crate::paths::Joined;
-use abf_mesh::{CornerId, FaceId, GeometryError, Topology, TopologyError, TriMesh, VertexId};
+use abf_mesh::{CornerId, DisjointSets, FaceId, GeometryError, Topology, TopologyError, TriMesh, VertexId};
 pub use layers::{DoubleSided, repair_with};
 use pairs::Pairs;
 pub use report::{Found, RepairReport};
@@ -203,7 +202,7 @@ fn duplicates(all: &[[VertexId; 3]], kept: &[FaceId]) -> Vec<(FaceId, FaceId)> {
 /// in the order of their corners.
 fn fans(vertex_count: usize, faces: &[[VertexId; 3]], pairs: &Pairs) -> (Vec<[VertexId; 3]>, Vec<VertexId>) {
     let corner_vertex = faces.as_flattened();
-    let mut joined = Joined::new(corner_vertex.len());
+    let mut joined = DisjointSets::new(corner_vertex.len());
     for (c, o) in pairs.all() {
         for end in [c.next(), c.prev()] {
             let v = corner_vertex[end.index()];

@@ -1,7 +1,6 @@
 //! Which faces are joined along which edges.
 
-use crate::paths::Joined;
-use abf_mesh::{CornerId, TriMesh, Vector3, VertexId};
+use abf_mesh::{CornerId, DisjointSets, TriMesh, Vector3, VertexId};
 
 /// An edge of three or more faces, more than which are not compared with each other.
 const MANY: usize = 64;
@@ -83,7 +82,7 @@ impl Pairs {
     /// Joins faces at crowded edges two by two: those in one piece first, then those oriented alike, then the most
     /// coplanar.
     pub(super) fn join_crowded(&mut self, mesh: &TriMesh, faces: &[[VertexId; 3]]) {
-        let mut pieces = Joined::new(faces.len());
+        let mut pieces = DisjointSets::new(faces.len());
         self.all().for_each(|(c, o)| {
             pieces.unite(c.face().index(), o.face().index());
         });

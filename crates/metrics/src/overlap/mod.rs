@@ -23,11 +23,10 @@ mod meeting;
 mod outline;
 mod shallow;
 
-use crate::charts::DisjointSets;
 use crate::sheet::{Fan, Sheet};
 use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::predicates::orient2d;
-use abf_mesh::{FaceId, Point2};
+use abf_mesh::{DisjointSets, FaceId, Point2};
 use box_tree::{BoxTree, Extent};
 use meeting::Meeting;
 use outline::{Outline, Segment};
@@ -71,7 +70,9 @@ impl Overlaps {
         let outline = Outline::new(sheet);
         let mut found = Self::default();
         let mut pieces = DisjointSets::new(outline.spots.len());
-        outline.segments.iter().for_each(|s| pieces.join(s.low as usize, s.high as usize));
+        for s in &outline.segments {
+            pieces.unite(s.low as usize, s.high as usize);
+        }
         let tree = BoxTree::new((0..outline.segments.len() as u32).collect(), |s| outline.extent(s));
         checkpoint()?;
         let (passes, shallow) = found.cross(&outline, &tree, &mut pieces, listed, rounding, checkpoint)?;
@@ -113,7 +114,7 @@ impl Overlaps {
             let sides = [a.low, a.high].map(|spot| side_of(outline, &b, spot));
             let other_sides = [b.low, b.high].map(|spot| side_of(outline, &a, spot));
             if sides[0] * sides[1] < 0 && other_sides[0] * other_sides[1] < 0 {
-                pieces.join(a.low as usize, b.low as usize);
+                pieces.unite(a.low as usize, b.low as usize);
                 let mut faces = [a.face(), b.face()];
                 faces.sort_unstable();
                 let limit = faces.iter().flatten().map(|&face| rounding(face)).fold(0.0, f64::max);
@@ -140,7 +141,9 @@ impl Overlaps {
         crossed.into_iter().for_each(|faces| self.name(faces, listed));
         passes.sort_unstable();
         passes.dedup();
-        passes.iter().for_each(|&(spot, s)| pieces.join(spot as usize, outline.segments[s as usize].low as usize));
+        for &(spot, s) in &passes {
+            pieces.unite(spot as usize, outline.segments[s as usize].low as usize);
+        }
         Ok((passes, shallow))
     }
 
@@ -193,7 +196,7 @@ impl Overlaps {
     ) {
         // The lower index is the root of its set: the lowest leftmost spot of its piece.
         let mut by_piece: Vec<(u32, u32)> =
-            outline.segments.iter().zip(0..).map(|(s, k)| (pieces.root(s.low as usize) as u32, k)).collect();
+            outline.segments.iter().zip(0..).map(|(s, k)| (pieces.find(s.low as usize) as u32, k)).collect();
         by_piece.sort_unstable();
         let pieces: Vec<Piece> = by_piece.chunk_by(|a, b| a.0 == b.0).map(|part| Piece::new(outline, part)).collect();
         if pieces.len() < 2 {

@@ -3,10 +3,9 @@
 use super::box_tree::{BoxTree, Extent};
 use super::outline::{Outline, Segment};
 use super::{Overlaps, winding_around};
-use crate::charts::DisjointSets;
 use crate::sheet::Sheet;
 use abf_mesh::predicates::orient2d;
-use abf_mesh::{FaceId, Point2};
+use abf_mesh::{DisjointSets, FaceId, Point2};
 use std::collections::BTreeMap;
 
 /// How far a test point is from its corner, as a part of the way to the centroid of the face.
@@ -59,13 +58,13 @@ impl Overlaps {
     ) {
         let mut limits: BTreeMap<usize, f64> = BTreeMap::new();
         for crossing in shallow {
-            let root = pieces.root(outline.segments[crossing.segment as usize].low as usize);
+            let root = pieces.find(outline.segments[crossing.segment as usize].low as usize);
             let limit = limits.entry(root).or_default();
             *limit = limit.max(crossing.limit);
         }
         let mut deep: Vec<usize> = Vec::new();
         for segment in &outline.segments {
-            let root = pieces.root(segment.low as usize);
+            let root = pieces.find(segment.low as usize);
             let Some(&limit) = limits.get(&root).filter(|_| !deep.contains(&root)) else { continue };
             let faces = segment.left.faces.into_iter().chain(segment.right.faces).flatten();
             if faces.into_iter().any(|face| is_deep(sheet, outline, tree, segment, face, limit)) {
@@ -73,7 +72,7 @@ impl Overlaps {
             }
         }
         for crossing in shallow {
-            let root = pieces.root(outline.segments[crossing.segment as usize].low as usize);
+            let root = pieces.find(outline.segments[crossing.segment as usize].low as usize);
             if deep.contains(&root) {
                 self.crossings += 1;
                 self.name(crossing.faces, listed);
