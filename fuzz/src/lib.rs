@@ -6,13 +6,12 @@ mod exact;
 mod mesh;
 
 use abf::mesh::io::{
-    GltfDocument, GltfTexcoords, MeshFile, MeshFormat, ObjDocument, parse, parse_materials, stored_uv, write_obj,
+    GltfDocument, GltfTexcoords, MeshFile, MeshFormat, ObjDocument, parse, stored_uv, write_obj,
     write_ply,
 };
 use abf::mesh::{Point2, TriMesh, UvId, UvMap};
 use abf::{FlattenError, Pipeline, Precision, Silent, StopCriteria};
 use exact::{Sign, turns};
-use std::path::Path;
 
 /// Reads a mesh. What can be read is written and read again as the same mesh.
 ///
@@ -39,14 +38,6 @@ pub fn read(format: MeshFormat, bytes: &[u8]) {
     if write_ply(&mut text, &mesh, uv.as_ref()).is_ok() {
         again(MeshFormat::Ply, &text);
     }
-}
-
-/// Reads a material library.
-///
-/// # Panics
-/// If the reader does.
-pub fn read_materials(bytes: &[u8]) {
-    let _ = parse_materials(Path::new("fuzz.mtl"), bytes);
 }
 
 /// A map in which neighbouring triangles are joined or not, as the first bytes of the file have it.

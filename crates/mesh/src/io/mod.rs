@@ -26,7 +26,6 @@ mod format;
 mod gather;
 #[cfg(feature = "gltf")]
 mod gltf;
-mod materials;
 mod mesh_file;
 mod notes;
 mod obj;
@@ -47,7 +46,6 @@ pub use format::{MeshFormat, UnknownFormat};
 pub use gltf::{
     BufferSource, GltfDocument, GltfPrimitive, GltfRemap, GltfSurface, GltfTexcoords, PrimitiveRemap, stored_uv,
 };
-pub use materials::{Material, MaterialNote, Materials, load_materials, parse_materials};
 pub use mesh_file::MeshFile;
 pub use notes::{ReadNotes, UvDropped};
 pub use obj::{Labels, ObjDocument, ObjWritten, write_obj};

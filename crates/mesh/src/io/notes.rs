@@ -38,8 +38,7 @@ pub struct ReadNotes {
     /// What was not read: keywords of OBJ, properties and elements of PLY and the like, with how
     /// many there were of each.
     pub ignored: BTreeMap<String, usize>,
-    /// The material libraries that an OBJ names, as written; see
-    /// [`load_materials`](super::load_materials).
+    /// The material libraries that an OBJ names, as written. They are not read.
     pub material_libraries: Vec<String>,
 }
 
