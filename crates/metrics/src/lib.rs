@@ -32,13 +32,15 @@ mod error;
 mod face;
 mod measure;
 mod overlap;
+mod precision;
 mod sheet;
 mod triangle;
 mod winding;
 
 pub use certificate::{
-    Certificate, Precision, certify, certify_asking, certify_connected, certify_connected_asking, certify_stored,
+    Certificate, certify, certify_asking, certify_connected, certify_connected_asking, certify_stored,
 };
 pub use error::MetricsError;
 pub use face::{FaceDistortion, Orientation, per_face};
 pub use measure::{Metrics, measure, measure_certified};
+pub use precision::Precision;
