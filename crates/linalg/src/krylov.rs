@@ -54,8 +54,8 @@ pub enum KrylovEnd {
     MaxIterations,
     /// The caller's `go_on` said no; `x` is the last iterate.
     Interrupted,
-    /// CG met a direction with `⟨p, Ap⟩ ≤ 0`: the matrix is not positive definite. `x` is the
-    /// iterate before it.
+    /// A method that needs a positive definite matrix met a direction with `⟨p, Ap⟩ ≤ 0`. `x` is the iterate before it.
+    /// MINRES needs none and never ends so.
     NegativeCurvature,
     /// Nothing helps: restarts no longer reduce the true residual, the preconditioner is not
     /// positive definite, or numbers are not finite. `x` is the best start so far or better.
@@ -92,7 +92,6 @@ pub(crate) trait Recursion {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
     Taken,
-    NegativeCurvature,
     /// Nothing left to divide by, or NaN.
     Broken,
 }
@@ -175,7 +174,7 @@ impl Run<'_> {
             }
             self.measure(x);
             // An iterate stopped on the way may have a larger residual than the start: the 2-norm
-            // is not what CG or MINRES reduce at every step. One that gave up may not.
+            // is not what MINRES reduces at every step. One that gave up may not.
             let worse = end.is_none() && self.truth > before;
             if worse || !self.truth.is_finite() {
                 x.copy_from_slice(&kept);
@@ -209,7 +208,6 @@ impl Run<'_> {
         while self.iterations < params.max_iterations {
             match recursion.step(self.a, self.c, x) {
                 Step::Taken => self.iterations += 1,
-                Step::NegativeCurvature => return Some(KrylovEnd::NegativeCurvature),
                 Step::Broken => return None,
             }
             self.estimate = recursion.residual_norm() / self.own_scale;

@@ -8,8 +8,7 @@
 //! * [`SymbolicCholesky`]: the analysis, done once for a pattern; the numbers, done many times, are
 //!   [`Cholesky`] for positive definite matrices and [`Indefinite`] for the others.
 //! * [`SparseMatrix`], [`SymbolicLu`] and [`Lu`]: the same for square matrices without symmetry.
-//! * [`cg`] and [`minres`]: Krylov methods that see a system only as a [`LinOp`] and a
-//!   [`Preconditioner`].
+//! * [`minres`]: a Krylov method that sees a system only as a [`LinOp`] and a [`Preconditioner`].
 //!
 //! Every solve returns [`LinearStats`] or [`KrylovStats`] with the *true* relative residual
 //! `‖b − Ax‖ / ‖b‖`, computed with the matrix itself: a factorisation that returned `Ok` is no proof
@@ -20,7 +19,6 @@
 //!
 //! No other crate of the workspace names faer.
 
-mod cg;
 mod cholesky;
 mod graph;
 mod indefinite;
@@ -38,7 +36,6 @@ mod test_support;
 pub mod vector;
 
 use abf_control::Cancelled;
-pub use cg::cg;
 pub use cholesky::{Cholesky, SymbolicCholesky};
 pub use graph::{Graph, Parts, Permutation};
 pub use indefinite::Indefinite;

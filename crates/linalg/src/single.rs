@@ -366,7 +366,7 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
 mod tests {
     use super::*;
     use crate::test_support::with_threads;
-    use crate::{Graph, KrylovEnd, KrylovParams, SymmetricPattern, cg};
+    use crate::{Graph, KrylovEnd, KrylovParams, SymmetricPattern, minres};
 
     /// The Laplacian of an `n × n` grid, and a little more on its diagonal.
     fn grid(n: usize) -> SymmetricMatrix<f64> {
@@ -396,14 +396,14 @@ mod tests {
     }
 
     #[test]
-    fn conjugate_gradients_with_single_factors_reach_double_precision_in_a_few_iterations() {
+    fn minres_with_single_factors_reaches_double_precision_in_a_few_iterations() {
         let a = grid(40);
         let symbolic = SymbolicCholesky::analyse(Arc::clone(a.pattern())).expect("fits");
         let single = symbolic.factorise_single(&a, &Parts::default()).expect("positive");
         let b: Vec<f64> = (0..1600).map(|i| (0.7 * f64::from(i)).cos()).collect();
         let mut x = vec![0.0; 1600];
         let params = KrylovParams { relative_tolerance: 1e-12, max_iterations: 10 };
-        let stats = cg(&a, &single, &b, &mut x, &params, &mut |_, _| true);
+        let stats = minres(&a, &single, &b, &mut x, &params, &mut |_, _| true);
         assert_eq!(stats.end, KrylovEnd::Converged, "{stats:?}");
         assert!(stats.iterations <= 4, "{}", stats.iterations);
     }

@@ -6,7 +6,7 @@ use crate::place::Place;
 use crate::system::StepSystem;
 use abf_constraints::AngleProblem;
 use abf_control::Checkpoint;
-use abf_solve_core::{Hessian, KktVector, LinearError, LinearStats};
+use abf_solve_core::{Hessian, KktVector, LinearError, LinearStats, add_transposed_product};
 
 /// What every eigenvalue of a triangle's form keeps of that of `2w + z_lo/x + z_hi/(π − x)`.
 const CONVEXITY: f64 = 1e-2;
@@ -39,7 +39,7 @@ impl Direction {
         let (lambda, negative) = diagonal(problem, hessian, place, multipliers, bounds);
         let of_objective = place.gradient(problem, barrier);
         let mut gradient = of_objective.clone();
-        place.add_transposed_product(problem, multipliers, &mut gradient);
+        add_transposed_product(problem.topology(), problem.rows(), &place.wheel, multipliers, &mut gradient);
         let mut step = KktVector::default();
         let linear = system.solve(problem, place, &lambda, &gradient, &mut step, checkpoint)?;
         let slope = of_objective.iter().zip(&step.delta).map(|(g, d)| g * d).sum();

@@ -1,6 +1,6 @@
 //! Angles with everything that is evaluated at them.
 
-use abf_constraints::{AngleProblem, TriangleRows, WheelDerivative, linearise};
+use abf_constraints::{AngleProblem, WheelDerivative, linearise};
 use std::f64::consts::PI;
 
 /// Angles strictly inside (0, π), the constraints there and what they cost.
@@ -46,19 +46,5 @@ impl Place {
         let (target, weight) = (problem.target(), problem.weight());
         let of = |(c, &x): (usize, &f64)| 2.0 * weight[c] * (x - target[c]) - barrier / x + barrier / (PI - x);
         self.angles.iter().enumerate().map(of).collect()
-    }
-
-    /// `out += Jᵀ λ`, triangle by triangle.
-    pub(crate) fn add_transposed_product(&self, problem: &AngleProblem<'_>, multipliers: &[f64], out: &mut [f64]) {
-        let (topology, rows) = (problem.topology(), problem.rows());
-        for face in topology.faces() {
-            let local = TriangleRows::new(topology, rows, &self.wheel, face);
-            let vertex = local.interior.map(|i| i.map_or(0.0, |i| multipliers[rows.vertex(i)]));
-            let wheels = local.interior.map(|i| i.map_or(0.0, |i| multipliers[rows.wheel(i)]));
-            let product = local.apply_transposed(vertex, wheels);
-            for (k, c) in face.corners().into_iter().enumerate() {
-                out[c.index()] += product[k] + multipliers[rows.triangle(face)];
-            }
-        }
     }
 }

@@ -9,9 +9,9 @@ use crate::place::Place;
 use crate::restore::restored;
 use crate::search::{Search, entry};
 use crate::system::StepSystem;
-use abf_constraints::{AngleProblem, RESIDUAL_CLAMP, largest, max_residual};
+use abf_constraints::{AngleProblem, largest};
 use abf_control::{Cancelled, Checkpoint, Fallback, IterationRecord, StopCriteria, Termination, Watch};
-use abf_solve_core::{LinearError, SolveError};
+use abf_solve_core::{LinearError, SolveError, add_transposed_product, constraint_residual};
 use std::f64::consts::PI;
 
 /// How far from 0 and π a start keeps, rad: nothing is known yet that would justify less.
@@ -198,7 +198,8 @@ impl<'p, 'a> Run<'p, 'a> {
         let (target, weight) = (self.problem.target(), self.problem.weight());
         let of = |c: usize| 2.0 * weight[c] * (x[c] - target[c]) + self.bounds.gradient(c);
         let mut gradient: Vec<f64> = (0..x.len()).map(of).collect();
-        self.place.add_transposed_product(self.problem, &self.multipliers, &mut gradient);
+        let (topology, rows) = (self.problem.topology(), self.problem.rows());
+        add_transposed_product(topology, rows, &self.place.wheel, &self.multipliers, &mut gradient);
         let dual = gradient.iter().zip(x).fold(0.0, |most: f64, (g, &x)| most.max((g * nearer_end(x)).abs()));
         let complementarity = self.bounds.complementarity(x, self.barrier);
         Errors { dual, complementarity, primal: largest(&self.place.residual) }
@@ -280,7 +281,7 @@ impl<'p, 'a> Run<'p, 'a> {
 
     fn record(&mut self, mut record: IterationRecord, watch: &mut Watch<'_>) -> Result<(), Cancelled> {
         record.iteration = self.history.len() + 1;
-        record.constraint_residual = self.constraint_residual();
+        record.constraint_residual = constraint_residual(self.problem, &self.place.angles, &self.place.residual);
         record.energy = Some(self.place.energy);
         record.moved_angles = std::mem::take(&mut self.moved);
         if record.constraint_residual <= self.best_residual {
@@ -289,16 +290,6 @@ impl<'p, 'a> Run<'p, 'a> {
         }
         self.history.push(record);
         watch.iteration(&record)
-    }
-
-    /// `max |h|`, from the constraints at hand where the clamp changes nothing.
-    fn constraint_residual(&self) -> f64 {
-        let inside = RESIDUAL_CLAMP..=PI - RESIDUAL_CLAMP;
-        if self.place.angles.iter().all(|x| inside.contains(x)) {
-            largest(&self.place.residual)
-        } else {
-            max_residual(self.problem.topology(), self.problem.rows(), &self.place.angles)
-        }
     }
 }
 

@@ -16,6 +16,7 @@
 //! A solver cannot grade its own work: [`AngleSolution::measure`] is the only way to make a
 //! solution, and it computes the constraint residual from the angles.
 
+mod constraints;
 mod correction;
 mod direct;
 mod hessian;
@@ -33,6 +34,7 @@ mod test_support;
 mod wheels;
 
 pub use abf_linalg::{LinearError, LinearStats};
+pub use constraints::{add_transposed_product, constraint_residual};
 pub use correction::{FrozenStep, LeastCorrection, Linearisation};
 pub use direct::DirectStep;
 pub use hessian::Hessian;

@@ -14,13 +14,14 @@
 //! Every solver of the papers but LinABF is a point of the grid [`NewtonSettings`] spans, with one
 //! of the inner solves behind [`KktStep`].
 
+use crate::constraints::add_transposed_product;
 use crate::hessian::{exact_diagonal, gauss_newton};
 use crate::line_search::{Accepted, Merit};
 use crate::{
     AngleSolution, BoundRule, Hessian, KktStep, KktSystem, KktVector, LineSearch, LinearError, ProductCurvature,
     SolveError, StepError,
 };
-use abf_constraints::{AngleProblem, TriangleRows, WheelDerivative, WheelForm, max_residual, residual};
+use abf_constraints::{AngleProblem, WheelDerivative, WheelForm, max_residual, residual};
 use abf_control::{
     Cancelled, Checkpoint, Fallback, IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch,
 };
@@ -270,7 +271,7 @@ impl<'p, 'a> Run<'p, 'a> {
         let energy_gradient: Vec<f64> =
             (0..self.angles.len()).map(|c| 2.0 * weight[c] * (self.angles[c] - target[c])).collect();
         let mut lagrangian_gradient = energy_gradient.clone();
-        add_transposed_product(self.problem, &wheel, &self.multipliers, &mut lagrangian_gradient);
+        add_transposed_product(topology, rows, &wheel, &self.multipliers, &mut lagrangian_gradient);
         let constraint_residual = max_residual(topology, rows, &self.angles);
         Linearisation { wheel, residual, energy_gradient, lagrangian_gradient, constraint_residual }
     }
@@ -342,20 +343,6 @@ impl<'p, 'a> Run<'p, 'a> {
                 let Linearisation { residual, energy_gradient, .. } = here;
                 self.merit.search(rule, &self.angles, &out.delta, residual, energy_gradient, &next, checkpoint)
             }
-        }
-    }
-}
-
-/// `out += Jᵀ μ`, triangle by triangle.
-fn add_transposed_product(problem: &AngleProblem<'_>, wheel: &WheelDerivative, multipliers: &[f64], out: &mut [f64]) {
-    let (topology, rows) = (problem.topology(), problem.rows());
-    for face in topology.faces() {
-        let local = TriangleRows::new(topology, rows, wheel, face);
-        let vertex = local.interior.map(|i| i.map_or(0.0, |i| multipliers[rows.vertex(i)]));
-        let wheels = local.interior.map(|i| i.map_or(0.0, |i| multipliers[rows.wheel(i)]));
-        let product = local.apply_transposed(vertex, wheels);
-        for (k, c) in face.corners().into_iter().enumerate() {
-            out[c.index()] += product[k] + multipliers[rows.triangle(face)];
         }
     }
 }

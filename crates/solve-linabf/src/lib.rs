@@ -18,12 +18,12 @@
 //! by the square of the error, so one pass is often all there is to do; further passes re-centre:
 //! they take the result, kept inside the angle bounds, as the next estimate (end of §6).
 
-use abf_constraints::{AngleProblem, RESIDUAL_CLAMP, WheelDerivative, largest, linearise, max_residual};
+use abf_constraints::{AngleProblem, WheelDerivative, largest, linearise};
 use abf_control::{IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
 use abf_parallel::prelude::*;
 use abf_solve_core::{
     AngleSolution, AngleSolver, DirectStep, KktStep, KktSystem, KktVector, LeastCorrection, Linearisation, SolveError,
-    StepError, StepReport,
+    StepError, StepReport, constraint_residual,
 };
 use std::f64::consts::PI;
 use std::fmt;
@@ -236,7 +236,7 @@ impl<'p, 'a> Run<'p, 'a> {
         self.residual_before = before;
         let record = IterationRecord {
             iteration: self.history.len() + 1,
-            constraint_residual: self.constraint_residual(),
+            constraint_residual: constraint_residual(self.problem, &self.angles, &self.residual),
             step,
             inner_tolerance: matches!(self.inner, Inner::Inexact(_)).then_some(target),
             inner_iterations: report.iterations,
@@ -294,16 +294,6 @@ impl<'p, 'a> Run<'p, 'a> {
         };
         let reach = record.constraint_residual * (now / self.residual_before).powi(2);
         if reach <= HOPE * stop.tolerance { last } else { reach.min(0.05 * now).max(last) }
-    }
-
-    /// `max |h|`, from the constraints at hand where all angles are inside (0, π).
-    fn constraint_residual(&self) -> f64 {
-        let inside = RESIDUAL_CLAMP..=PI - RESIDUAL_CLAMP;
-        if self.angles.iter().all(|x| inside.contains(x)) {
-            largest(&self.residual)
-        } else {
-            max_residual(self.problem.topology(), self.problem.rows(), &self.angles)
-        }
     }
 
     fn keep_best(&mut self, residual: f64) {

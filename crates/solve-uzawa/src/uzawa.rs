@@ -208,6 +208,7 @@ impl<'a> Run<'a> {
     }
 }
 
+/// `Σ xᵢ yᵢ`, summed in one run. `abf_linalg::vector::dot` sums in chunks: other bits from 4097 elements on.
 fn dot(x: &[f64], y: &[f64]) -> f64 {
     x.iter().zip(y).map(|(a, b)| a * b).sum()
 }
