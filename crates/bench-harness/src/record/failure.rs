@@ -5,7 +5,7 @@ use super::kind::FailureKind;
 use super::location::{self, Location};
 use super::number::megabytes;
 use abf::{AtlasError, FlattenError, MetricsError, UnwrapError};
-use abf_mesh::io::{ReadError, UvDropped, WriteError};
+use abf_mesh::io::{MeshFormat, ReadError, UvDropped, WriteError};
 use abf_report::PictureError;
 use serde::{Deserialize, Serialize};
 use std::error::Error;
@@ -125,8 +125,9 @@ impl Failure {
 
     /// A folder without meshes.
     pub(crate) fn no_meshes(folder: &Path) -> Self {
-        let hint = "name a folder with obj, off, ply, stl, gltf or glb files in it or below it";
-        Self::new((FailureKind::NoMeshes, hint), format!("{}: there is no mesh below it", folder.display()))
+        let formats = MeshFormat::list(|_| true, " or ");
+        let hint = format!("name a folder with {formats} files in it or below it");
+        Self::new((FailureKind::NoMeshes, &hint), format!("{}: there is no mesh below it", folder.display()))
     }
 
     /// A file that is not the JSON of a comparison.

@@ -9,10 +9,11 @@ use abf::embed::EmbedError;
 use abf::reconstruct::LayoutError;
 use abf::solve_core::{LinearError, SolveError};
 use abf::{AtlasError, FlattenError, MetricsError, PackError, Termination, UnwrapError};
-use abf_mesh::io::{ReadError, WriteError};
+use abf_mesh::io::{MeshFormat, ReadError, WriteError};
 use abf_mesh::{DiskError, GeometryError, TopologyError};
 use std::io;
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// The kind of an error, and what to try next.
 pub(crate) type Hint = (FailureKind, &'static str);
@@ -39,6 +40,11 @@ const SETTING: Hint = (FailureKind::Setting, "give that setting a value in its r
 
 /// For files that would take more memory than is allowed.
 pub(crate) const FILE_MEMORY: Hint = (FailureKind::Memory, MORE_MEMORY);
+
+/// For names of files that no writer serves.
+static WRITTEN: LazyLock<String> = LazyLock::new(|| {
+    format!("end the name in .{}", MeshFormat::list(MeshFormat::is_written, " or .").replace(", ", ", ."))
+});
 
 /// For files that cannot be read.
 pub(crate) fn read(error: &ReadError) -> Hint {
@@ -273,9 +279,7 @@ pub(crate) fn metrics(error: &MetricsError) -> Hint {
 pub(crate) fn write(error: &WriteError) -> Hint {
     match error {
         WriteError::Io { .. } => (FailureKind::Unwritable, ELSEWHERE),
-        WriteError::UnknownExtension { .. } => {
-            (FailureKind::UnknownExtension, "end the name in .obj, .ply, .glb or .gltf")
-        }
+        WriteError::UnknownExtension { .. } => (FailureKind::UnknownExtension, &WRITTEN),
         WriteError::NotFinite { .. } => {
             (FailureKind::NotFinite, "correct or remove these: NaN and infinity have no place")
         }

@@ -1,10 +1,8 @@
 //! What can be wrong with a mesh file, and where.
 
+use super::MeshFormat;
 use std::fmt;
 use std::io;
-
-/// The formats that can be written, for a message.
-const WRITTEN: &str = if cfg!(feature = "gltf") { "glb, gltf, obj, ply" } else { "obj, ply" };
 
 /// A place in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -279,6 +277,10 @@ pub enum ReadError {
     },
 }
 
+fn written() -> String {
+    MeshFormat::list(MeshFormat::is_written, ", ")
+}
+
 /// Why a mesh cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -292,7 +294,7 @@ pub enum WriteError {
         cause: io::Error,
     },
     /// The extension names no format that is written.
-    #[error("{file}: the extension names no format that can be written; known are {WRITTEN}")]
+    #[error("{file}: the extension names no format that can be written; known are {known}", known = written())]
     UnknownExtension {
         /// The file.
         file: String,

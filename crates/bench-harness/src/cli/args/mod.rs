@@ -4,6 +4,7 @@ mod charts;
 mod method;
 
 use abf::{SolverKind, Weld};
+use abf_mesh::io::MeshFormat;
 use abf_shapes::Shape;
 pub(crate) use charts::{ChartArgs, SeamsFrom};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -94,8 +95,7 @@ pub(crate) enum Command {
 /// The arguments of flattening.
 #[derive(Debug, clap::Args)]
 pub(crate) struct FlattenArgs {
-    /// The meshes: obj, off, ply, stl, gltf or glb. None: the built-in face of 20 000 triangles
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = format!("The meshes: {}. None: the built-in face of 20 000 triangles", read("or")))]
     pub(crate) meshes: Vec<PathBuf>,
     /// The method: auto (linabf, abf-fixed-target, barrier, descent in turn, until a result is proved valid), linabf, abf,
     /// abf++, abf-newton, abf-fixed-target, uzawa, minres, barrier, descent or lscm; several with commas, or all, are compared
@@ -107,8 +107,7 @@ pub(crate) struct FlattenArgs {
     /// How it becomes charts.
     #[command(flatten)]
     pub(crate) charts: ChartArgs,
-    /// Write the mesh with its UVs: obj, ply, glb or gltf; an obj or glTF input is kept as it was but for them
-    #[arg(short, long, value_name = "FILE", help_heading = "Outputs")]
+    #[arg(short, long, value_name = "FILE", help_heading = "Outputs", help = output_help())]
     pub(crate) output: Option<PathBuf>,
     /// Write the results as JSON; with - to stdout, and the table goes to stderr
     #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
@@ -127,8 +126,7 @@ pub(crate) struct FlattenArgs {
 /// The arguments of `compare`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct CompareArgs {
-    /// Meshes, and folders: every obj, off, ply and stl below them
-    #[arg(value_name = "DIR|MESH", required = true)]
+    #[arg(value_name = "DIR|MESH", required = true, help = format!("Meshes, and folders: every {} below them", read("and")))]
     pub(crate) meshes: Vec<PathBuf>,
     /// The methods: names with commas, or all
     #[arg(long, value_name = "NAMES|all", default_value_t = SolverChoice::All)]
@@ -162,8 +160,7 @@ pub(crate) struct CompareArgs {
 /// The arguments of `survey`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SurveyArgs {
-    /// Folders: every obj, off, ply, stl, gltf and glb below them; and meshes
-    #[arg(value_name = "DIR|MESH", required = true)]
+    #[arg(value_name = "DIR|MESH", required = true, help = format!("Folders: every {} below them; and meshes", read("and")))]
     pub(crate) meshes: Vec<PathBuf>,
     /// Leave out the folders inside the folders
     #[arg(long)]
@@ -191,8 +188,7 @@ pub(crate) struct SurveyArgs {
 /// The arguments of `metrics`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct MetricsArgs {
-    /// Files with UVs: obj, off, ply, gltf or glb
-    #[arg(value_name = "FILE", required = true)]
+    #[arg(value_name = "FILE", required = true, help = format!("Files with UVs: {}", MeshFormat::list(MeshFormat::has_uvs, " or ")))]
     pub(crate) files: Vec<PathBuf>,
     /// Judge the faces as the file has them, without the repair that flattening makes first
     #[arg(long)]
@@ -229,6 +225,16 @@ fn shapes() -> impl TypedValueParser<Value = Shape> {
 
 fn at_least_one(s: &str) -> Result<usize, String> {
     s.parse().ok().filter(|&n| n > 0).ok_or_else(|| format!("must be a whole number, at least 1, got '{s}'"))
+}
+
+/// The formats of input, the last one after `word`.
+fn read(word: &str) -> String {
+    MeshFormat::list(|_| true, &format!(" {word} "))
+}
+
+fn output_help() -> String {
+    let written = MeshFormat::list(MeshFormat::is_written, " or ");
+    format!("Write the mesh with its UVs: {written}; an obj or glTF input is kept as it was but for them")
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use crate::cli::mistyped::check_is_no_command;
 use crate::cli::targets::{JsonTarget, check_distinct, check_extension, check_is_for_one, check_one_stdout};
 use crate::cli::typed::Typed;
 use crate::run::source::Source;
+use abf_mesh::io::MeshFormat;
 use std::path::{Path, PathBuf};
 
 /// Everything a run needs to know.
@@ -56,7 +57,8 @@ impl Settings {
             }
         }
         if let Some(path) = &output {
-            check_extension("--output", path, &["obj", "ply", "glb", "gltf"])?;
+            let written = MeshFormat::ALL.into_iter().filter(|format| format.is_written());
+            check_extension("--output", path, &written.map(MeshFormat::extension).collect::<Vec<_>>())?;
         }
         let targets = [
             ("--output", output.as_deref()),
