@@ -61,7 +61,6 @@ const ROOMS: &[(&str, &[&[&str]])] = &[
     ),
 ];
 
-
 /// The most lines of a file, without its tests.
 const MOST_LINES: usize = 400;
 

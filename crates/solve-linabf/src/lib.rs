@@ -25,7 +25,6 @@ use abf_solve_core::{
     AngleSolution, AngleSolver, DirectStep, KktStep, KktSystem, KktVector, LeastCorrection, Linearisation, SolveError,
     StepError, StepReport, constraint_residual,
 };
-use std::f64::consts::PI;
 use std::fmt;
 use std::num::NonZeroUsize;
 use std::str::FromStr;

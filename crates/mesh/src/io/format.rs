@@ -59,7 +59,13 @@ const TABLE: &[Row] = &[
         keeps: "polygons, materials, groups, normals, comments; UVs it had are replaced",
     },
     Row { format: MeshFormat::Off, extension: "off", has_uvs: true, is_written: false, keeps: "" },
-    Row { format: MeshFormat::Ply, extension: "ply", has_uvs: true, is_written: true, keeps: "the mesh, and the colours of its vertices" },
+    Row {
+        format: MeshFormat::Ply,
+        extension: "ply",
+        has_uvs: true,
+        is_written: true,
+        keeps: "the mesh, and the colours of its vertices",
+    },
     Row { format: MeshFormat::Stl, extension: "stl", has_uvs: false, is_written: false, keeps: "" },
 ];
 
