@@ -1,5 +1,6 @@
 //! How exactly inner methods solve.
 
+use super::misread::Misread;
 use abf::solve_core::InnerTolerance;
 use std::fmt;
 use std::str::FromStr;
@@ -15,14 +16,14 @@ pub(crate) struct InnerAccuracy(
 );
 
 impl FromStr for InnerAccuracy {
-    type Err = String;
+    type Err = Misread;
 
-    fn from_str(s: &str) -> Result<Self, String> {
+    fn from_str(s: &str) -> Result<Self, Misread> {
         if s == AUTO {
             return Ok(Self(InnerTolerance::default()));
         }
         let fixed = s.parse().map(|tolerance| Self(InnerTolerance::Fixed(tolerance)));
-        fixed.map_err(|_| format!("must be a number or '{AUTO}', got '{s}'"))
+        fixed.map_err(|_| Misread::new(format!("a number or '{AUTO}'"), s))
     }
 }
 

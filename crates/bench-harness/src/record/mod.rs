@@ -11,6 +11,7 @@ pub(crate) mod history;
 mod json;
 pub(crate) mod kind;
 mod location;
+pub(crate) mod misread;
 mod not_run;
 pub(crate) mod number;
 mod outcome;

@@ -1,7 +1,7 @@
 //! The options of seams, holes and the atlas.
 
 use super::method::one_of;
-use abf::{AtlasPages, DoubleSided, Effort, HoleRule, Weld};
+use abf::{AtlasPages, DoubleSided, Effort, HoleRule, UnknownName, Weld};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::fmt;
 use std::path::PathBuf;
@@ -131,6 +131,7 @@ pub(crate) enum SeamsFrom {
 
 impl SeamsFrom {
     const ALL: [Self; 3] = [Self::Auto, Self::Keep, Self::File];
+    const NAMES: [&'static str; 3] = [Self::Auto.name(), Self::Keep.name(), Self::File.name()];
 
     const fn name(self) -> &'static str {
         match self {
@@ -148,9 +149,12 @@ impl fmt::Display for SeamsFrom {
 }
 
 impl FromStr for SeamsFrom {
-    type Err = String;
+    type Err = UnknownName;
 
-    fn from_str(s: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|from| from.name() == s).ok_or_else(|| format!("'{s}' is no source of seams"))
+    fn from_str(s: &str) -> Result<Self, UnknownName> {
+        Self::ALL
+            .into_iter()
+            .find(|from| from.name() == s)
+            .ok_or_else(|| UnknownName::new("source of seams", s, &Self::NAMES))
     }
 }

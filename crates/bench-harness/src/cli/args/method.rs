@@ -1,7 +1,11 @@
 //! The options of the solvers, and the values they take.
 
 use crate::record::InnerAccuracy;
-use abf::{Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, WheelForm, ZeroArea};
+use crate::record::misread::Misread;
+use abf::{
+    Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, UnknownName, WheelForm,
+    ZeroArea,
+};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::value_parser;
 use std::fmt;
@@ -127,18 +131,29 @@ impl fmt::Display for SolverChoice {
     }
 }
 
-impl FromStr for SolverChoice {
-    type Err = String;
+/// Names that make no choice of solvers.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum SolverChoiceError {
+    /// A name of no solver.
+    #[error("{0}, {ALL}")]
+    Unknown(#[from] UnknownName),
+    /// A solver that is there already.
+    #[error("'{0}' is named twice")]
+    Twice(String),
+}
 
-    fn from_str(s: &str) -> Result<Self, String> {
+impl FromStr for SolverChoice {
+    type Err = SolverChoiceError;
+
+    fn from_str(s: &str) -> Result<Self, SolverChoiceError> {
         if s == ALL {
             return Ok(Self::All);
         }
         let mut kinds = Vec::new();
         for name in s.split(',') {
-            let kind: SolverKind = name.parse().map_err(|error| format!("{error}, {ALL}"))?;
+            let kind: SolverKind = name.parse()?;
             if kinds.contains(&kind) {
-                return Err(format!("'{name}' is named twice"));
+                return Err(SolverChoiceError::Twice(name.to_owned()));
             }
             kinds.push(kind);
         }
@@ -159,13 +174,13 @@ pub(crate) struct RingSwitch(
 );
 
 impl FromStr for RingSwitch {
-    type Err = String;
+    type Err = Misread;
 
-    fn from_str(s: &str) -> Result<Self, String> {
+    fn from_str(s: &str) -> Result<Self, Misread> {
         if s == OFF {
             return Ok(Self(None));
         }
-        s.parse().map(|threshold| Self(Some(threshold))).map_err(|_| format!("must be a number or '{OFF}', got '{s}'"))
+        s.parse().map(|threshold| Self(Some(threshold))).map_err(|_| Misread::new(format!("a number or '{OFF}'"), s))
     }
 }
 
@@ -177,16 +192,16 @@ pub(crate) struct MemorySize(
 );
 
 impl FromStr for MemorySize {
-    type Err = String;
+    type Err = Misread;
 
-    fn from_str(s: &str) -> Result<Self, String> {
+    fn from_str(s: &str) -> Result<Self, Misread> {
         const UNITS: [(char, f64); 4] = [('k', 1e3), ('m', 1e6), ('g', 1e9), ('t', 1e12)];
         let unit = s.chars().last().map(|c| c.to_ascii_lowercase());
         let scale = UNITS.into_iter().find(|&(letter, _)| unit == Some(letter));
         let (number, scale) = scale.map_or((s, 1.0), |(_, scale)| (&s[..s.len() - 1], scale));
         let bytes = number.parse::<f64>().ok().map(|number| number * scale);
         let bytes = bytes.filter(|&bytes| bytes >= 1.0 && bytes.is_finite());
-        bytes.map(|bytes| Self(bytes as u64)).ok_or_else(|| format!("must be an amount such as 500M or 4G, got '{s}'"))
+        bytes.map(|bytes| Self(bytes as u64)).ok_or_else(|| Misread::new("an amount such as 500M or 4G", s))
     }
 }
 
@@ -209,7 +224,7 @@ mod tests {
             assert_eq!(text.parse::<SolverChoice>().expect("solvers").to_string(), text);
         }
         assert!("slim".parse::<SolverChoice>().unwrap_err().ends_with("lscm, all"));
-        assert_eq!("lscm,lscm".parse::<SolverChoice>(), Err("'lscm' is named twice".into()));
+        assert_eq!("lscm,lscm".parse::<SolverChoice>(), Err(SolverChoiceError::Twice("lscm".to_owned())));
         assert!("".parse::<SolverChoice>().is_err());
     }
 
