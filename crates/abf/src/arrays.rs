@@ -164,10 +164,17 @@ impl ArrayUnwrapper {
         self
     }
 
-    /// Texels along a side of a page.
+    /// Texels along the sides of a page, which is a square.
     #[must_use]
     pub fn resolution(mut self, texels: u32) -> Self {
-        self.atlas.resolution = texels;
+        self.atlas.page = [texels; 2];
+        self
+    }
+
+    /// Texels of a page along x and y.
+    #[must_use]
+    pub fn page(mut self, width: u32, height: u32) -> Self {
+        self.atlas.page = [width, height];
         self
     }
 

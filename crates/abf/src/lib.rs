@@ -55,7 +55,7 @@ pub use abf_solve_core::{
     PreconditionerKind, Reduction,
 };
 pub use arrays::{ArrayError, ArrayUnwrapper, UnwrappedArrays};
-pub use atlas::{Atlas, AtlasError, AtlasPages, Packed, Placement, Stored};
+pub use atlas::{Atlas, AtlasError, AtlasPages, NarrowPlace, Packed, Placement, Repack, Repacked, Stored};
 pub use error::FlattenError;
 pub use flattening::{Flattening, LayoutReport, RungReport};
 pub use judge::{JudgeError, Judgement, judge};

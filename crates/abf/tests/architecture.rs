@@ -56,7 +56,14 @@ const ROOMS: &[(&str, &[&[&str]])] = &[
             &["cli"],
             &["show"],
             &["run"],
-            &["commands/compare", "commands/fixtures", "commands/flatten", "commands/metrics", "commands/survey"],
+            &[
+                "commands/compare",
+                "commands/fixtures",
+                "commands/flatten",
+                "commands/metrics",
+                "commands/pack",
+                "commands/survey",
+            ],
         ],
     ),
 ];

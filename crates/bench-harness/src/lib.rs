@@ -6,7 +6,7 @@
 //! * `cli`: what was typed, and what was meant by it;
 //! * `show`: tables, advice and files;
 //! * `run`: reading meshes, flattening them, and watching that;
-//! * `commands`: flatten, `compare`, `survey`, `metrics` and `fixtures`.
+//! * `commands`: flatten, `compare`, `survey`, `metrics`, `pack` and `fixtures`.
 //!
 //! Only this crate prints and reads the clock.
 
@@ -22,7 +22,7 @@ use cli::typed::Typed;
 use commands::compare::{Comparison, compare};
 use commands::flatten::{Settings, flatten};
 use commands::survey::{Survey, survey};
-use commands::{fixtures, metrics};
+use commands::{fixtures, metrics, pack};
 use record::Outcome;
 use record::failure::Failure;
 use run::cancel;
@@ -56,6 +56,9 @@ fn run_command() -> Outcome {
             survey(&Survey::new(*args, typed).unwrap_or_else(|error| program::exit(error, Some("survey"))))
         }
         Some(Command::Metrics(args)) => metrics::judge_all(&args, &typed),
+        Some(Command::Pack(args)) => {
+            pack::pack(&pack::Settings::new(*args).unwrap_or_else(|error| program::exit(error, Some("pack"))))
+        }
         Some(Command::Fixtures(args)) => fixtures::write(args),
     }
 }

@@ -1,6 +1,21 @@
 //! Charts: the connected pieces of a UV map.
 
+use crate::MetricsError;
 use abf_mesh::{DisjointSets, FaceId, TriMesh, UvId, UvMap, VertexId};
+
+/// The chart of every face, numbered by first appearance: faces are in one chart where they share UV points, or have points
+/// of one vertex in one place.
+///
+/// # Errors
+/// [`MetricsError::CornerCount`] for the map of another mesh.
+pub fn charts(mesh: &TriMesh, uv: &UvMap) -> Result<Vec<usize>, MetricsError> {
+    let (corners, faces) = (uv.corners().len(), mesh.face_count());
+    if corners != 3 * faces {
+        return Err(MetricsError::CornerCount { corners, faces });
+    }
+    let found = Charts::find(mesh, uv);
+    Ok((0..faces).map(|f| found.of(FaceId::new(f))).collect())
+}
 
 /// Which chart every face is in.
 pub(crate) struct Charts {

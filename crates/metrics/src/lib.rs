@@ -40,6 +40,7 @@ mod winding;
 pub use certificate::{
     Certificate, certify, certify_asking, certify_connected, certify_connected_asking, certify_stored,
 };
+pub use charts::charts;
 pub use error::MetricsError;
 pub use face::{FaceDistortion, Orientation, per_face};
 pub use measure::{Metrics, measure, measure_certified};

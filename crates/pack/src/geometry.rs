@@ -200,15 +200,15 @@ fn normalized([x, y]: Point) -> Option<Point> {
     (length > 0.0 && length.is_finite()).then(|| [x / length, y / length])
 }
 
-fn minus(a: Point, b: Point) -> Point {
+pub(crate) fn minus(a: Point, b: Point) -> Point {
     [a[0] - b[0], a[1] - b[1]]
 }
 
-fn dot(a: Point, b: Point) -> f64 {
+pub(crate) fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-fn cross(a: Point, b: Point) -> f64 {
+pub(crate) fn cross(a: Point, b: Point) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 

@@ -25,6 +25,7 @@
 mod boxes;
 mod combine;
 mod error;
+mod gaps;
 mod geometry;
 mod grid;
 mod page;
@@ -35,6 +36,7 @@ mod settings;
 mod shape;
 
 pub use error::PackError;
+pub use gaps::{Gap, gaps};
 pub use piece::{Packing, Piece, Placement};
 pub use search::pack;
 pub use settings::{Effort, PackSettings};

@@ -57,7 +57,8 @@ pub struct Packing {
     pub placements: Vec<Placement>,
     /// How many pages there are.
     pub pages: usize,
-    /// The part of the pages that pieces cover, by the areas of their loops.
+    /// The part of the pages that pieces cover, by the areas of their loops. Of a piece of several polygons, what lies in
+    /// several counts once, within a thousandth.
     pub coverage: f64,
 }
 

@@ -10,7 +10,7 @@ pub(crate) struct Shape {
     loops: Vec<usize>,
     /// The end of every outline in `loops`.
     outlines: Vec<usize>,
-    /// Of all outlines together.
+    /// Of all outlines together; what lies in several counts once.
     pub(crate) area: f64,
     pub(crate) hull: Hull,
 }
@@ -34,7 +34,41 @@ impl Shape {
             ends.push(loops.len());
         }
         let hull = Hull::of(&points);
-        Self { points, loops, outlines: ends, area, hull }
+        let mut shape = Self { points, loops, outlines: ends, area, hull };
+        if outlines.len() > 1 {
+            shape.area = shape.area_of_union();
+        }
+        shape
+    }
+
+    /// The area of several outlines, measured along lines across them.
+    fn area_of_union(&self) -> f64 {
+        /// Lines: a smooth outline comes out within a thousandth.
+        const LINES: usize = 1024;
+        let (low, high) = self
+            .points
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[1]), high.max(p[1])));
+        let step = (high - low) / LINES as f64;
+        if !(step > 0.0) {
+            return 0.0;
+        }
+        let mut crossings: Vec<Vec<(usize, f64)>> = vec![Vec::new(); LINES];
+        for (outline, loops) in self.outlines().enumerate() {
+            for ring in loops {
+                for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+                    let (a, b) = if a[1] <= b[1] { (a, b) } else { (b, a) };
+                    // Line k is in the middle of its strip; an edge has its lower end, not its upper one.
+                    let line = |y: f64| (((y - low) / step + 0.5) as usize).min(LINES);
+                    for (k, on_line) in crossings.iter_mut().enumerate().take(line(b[1])).skip(line(a[1])) {
+                        let y = low + (k as f64 + 0.5) * step;
+                        let t = ((y - a[1]) / (b[1] - a[1])).clamp(0.0, 1.0);
+                        on_line.push((outline, a[0] + t * (b[0] - a[0])));
+                    }
+                }
+            }
+        }
+        step * crossings.iter_mut().map(|line| covered(line)).sum::<f64>()
     }
 
     pub(crate) fn points(&self) -> &[Point] {
@@ -48,5 +82,36 @@ impl Shape {
             let loops = start_of(&self.outlines, i)..self.outlines[i];
             loops.map(move |j| &self.points[start_of(&self.loops, j)..self.loops[j]])
         })
+    }
+}
+
+/// How much of a line is inside an outline, from where outlines cross it.
+fn covered(crossings: &mut [(usize, f64)]) -> f64 {
+    crossings.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let of_one = crossings.chunk_by(|a, b| a.0 == b.0);
+    let mut inside: Vec<[f64; 2]> =
+        of_one.flat_map(|all| all.as_chunks::<2>().0.iter().map(|[from, to]| [from.1, to.1])).collect();
+    inside.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+    let (mut length, mut end) = (0.0, f64::NEG_INFINITY);
+    for [from, to] in inside {
+        length += (to - from.max(end)).max(0.0);
+        end = end.max(to);
+    }
+    length
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_two_outlines_cover_counts_once_and_their_holes_do_not() {
+        let square = |x: f64, side: f64| vec![[x, 0.0], [x + side, 0.0], [x + side, side], [x, side]];
+        let of = |outlines: &[Vec<Vec<Point>>]| Shape::new(outlines, [0.0; 2], 1.0).area;
+        let hole = vec![[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]];
+        assert!((of(&[vec![square(0.0, 1.0)], vec![square(0.5, 1.0)]]) - 1.5).abs() < 2e-3);
+        assert!((of(&[vec![square(0.0, 1.0), hole.clone()], vec![square(2.0, 1.0)]]) - 1.75).abs() < 2e-3);
+        // The hole of the one is covered by the other.
+        assert!((of(&[vec![square(0.0, 1.0), hole], vec![square(0.0, 1.0)]]) - 1.0).abs() < 2e-3);
     }
 }

@@ -1,50 +1,57 @@
 //! What is proved of packed charts, and how distorted they are.
 
-use crate::unwrap::{Unwrapped, UnwrappedChart};
-use abf_mesh::{FaceId, TriMesh, UvId, UvMap, VertexId};
+use abf_mesh::{FaceId, Point2, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify_stored, measure_certified};
 
-/// The judgement of all charts together.
-pub(super) struct Judged {
-    pub(super) metrics: Metrics,
-    /// Charts that are not valid as stored.
-    pub(super) invalid_charts: Vec<usize>,
+/// Judges faces of a mesh with its map: exactly, as stored.
+pub(super) struct Judge<'a> {
+    parts: Parts<'a>,
+    precision: Precision,
 }
 
-/// Judges the faces of all charts, page by page, those that repair turned around as it turned them.
-pub(super) fn judge(
-    mesh: &TriMesh,
-    unwrapped: &Unwrapped,
-    pages: &[Vec<usize>],
-    uv: &UvMap,
-    precision: Precision,
-) -> Result<Judged, MetricsError> {
-    let mut parts = Parts::new(mesh, &unwrapped.turned, uv);
-    let sorted = |charts: &mut dyn Iterator<Item = &UnwrappedChart>| {
-        let mut faces: Vec<FaceId> = charts.flat_map(|chart| chart.faces.iter().copied()).collect();
-        faces.sort_unstable();
-        faces
-    };
-    let mut whole: Option<Certificate> = None;
-    for page in pages {
-        let faces = sorted(&mut page.iter().map(|&i| &unwrapped.charts[i]));
-        let (part, map, vertices) = parts.of(&faces);
-        let found = in_input(certify_stored(&part, &map, precision)?, &faces, &vertices);
-        whole = Some(match whole {
-            None => found,
-            Some(before) => together(before, found),
-        });
+impl<'a> Judge<'a> {
+    /// Faces in `turned` are judged the other way around: as repair turned them.
+    pub(super) fn new(mesh: &'a TriMesh, turned: &[FaceId], uv: &'a UvMap, precision: Precision) -> Self {
+        Self { parts: Parts::new(mesh, turned, uv), precision }
     }
-    let certificate = whole.ok_or(MetricsError::NoFaces)?;
-    let mut invalid_charts = Vec::new();
-    for (i, chart) in unwrapped.charts.iter().enumerate().filter(|_| !certificate.valid()) {
-        let (part, map, _) = parts.of(&chart.faces);
-        if !certify_stored(&part, &map, precision)?.valid() {
-            invalid_charts.push(i);
+
+    /// What is proved of the faces of each page, together.
+    pub(super) fn certificate(&mut self, pages: &[Vec<FaceId>]) -> Result<Certificate, MetricsError> {
+        let mut whole: Option<Certificate> = None;
+        for faces in pages.iter().map(|faces| sorted(faces)) {
+            let (part, map, vertices) = self.parts.of(&faces);
+            let found = in_input(certify_stored(&part, &map, self.precision)?, &faces, &vertices);
+            whole = Some(match whole {
+                None => found,
+                Some(before) => together(before, found),
+            });
         }
+        whole.ok_or(MetricsError::NoFaces)
     }
-    let (part, map, _) = parts.of(&sorted(&mut unwrapped.charts.iter()));
-    Ok(Judged { metrics: measure_certified(&part, &map, certificate)?, invalid_charts })
+
+    /// What is proved of some faces alone.
+    pub(super) fn certificate_of(&mut self, faces: &[FaceId]) -> Result<Certificate, MetricsError> {
+        let (part, map, _) = self.parts.of(faces);
+        certify_stored(&part, &map, self.precision)
+    }
+
+    /// The distortion of some faces in the proportions of a page of `sides` texels, with what is proved of them.
+    pub(super) fn metrics(
+        &mut self,
+        faces: &[FaceId],
+        certificate: Certificate,
+        sides: [u32; 2],
+    ) -> Result<Metrics, MetricsError> {
+        let (part, map, _) = self.parts.of(&sorted(faces));
+        let [width, height] = sides.map(|side| f64::from(side) / f64::from(sides[0].max(sides[1])));
+        measure_certified(&part, &map.mapped(|p| Point2::new(p.x * width, p.y * height)), certificate)
+    }
+}
+
+fn sorted(faces: &[FaceId]) -> Vec<FaceId> {
+    let mut faces = faces.to_vec();
+    faces.sort_unstable();
+    faces
 }
 
 /// Takes parts of a mesh and its map, with their own vertices and points only.

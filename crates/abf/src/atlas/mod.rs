@@ -2,13 +2,15 @@
 
 mod judge;
 mod outline;
+mod repack;
 
 use crate::unwrap::{Unwrapped, UnwrappedChart};
 use abf_control::{SettingError, UnknownName};
-use abf_mesh::{Point2, TriMesh, UvMap};
+use abf_mesh::{FaceId, Point2, TriMesh, UvId, UvMap};
 use abf_metrics::{Metrics, MetricsError, Precision};
 use abf_pack::{Effort, PackError, PackSettings, Packing, Piece};
 use abf_parallel::prelude::*;
+use judge::Judge;
 pub(crate) use judge::{Parts, in_input};
 use std::collections::HashMap;
 
@@ -18,8 +20,8 @@ use std::collections::HashMap;
 pub struct Atlas {
     /// Which charts share a page.
     pub pages: AtlasPages,
-    /// Texels along a side of a page; what a margin is measured in.
-    pub resolution: u32,
+    /// Texels of a page along x and y; what a margin is measured in.
+    pub page: [u32; 2],
     /// Texels that stay free between two charts, and between a chart and the border.
     pub margin: u32,
     /// How hard the packer tries.
@@ -34,7 +36,7 @@ impl Default for Atlas {
     fn default() -> Self {
         Self {
             pages: AtlasPages::One,
-            resolution: 1024,
+            page: [1024; 2],
             margin: 2,
             effort: Effort::Fast,
             max_pages: 1,
@@ -85,14 +87,14 @@ pub enum AtlasError {
         given: usize,
     },
     /// Even at one texel each the charts do not fit.
-    #[error("{charts} charts with {margin} texels between them do not fit into {resolution} × {resolution} texels")]
+    #[error("{charts} charts with {margin} texels between them do not fit into {} × {} texels", page[0], page[1])]
     TooManyCharts {
         /// How many on the fullest page.
         charts: usize,
         /// The margin asked for.
         margin: u32,
-        /// The resolution asked for.
-        resolution: u32,
+        /// The page asked for.
+        page: [u32; 2],
     },
     /// Charts that do not fit at the scale that was given, and settings of the packer.
     #[error(transparent)]
@@ -115,9 +117,24 @@ pub struct Packed {
     pub texels_per_unit: f64,
     /// The part of the pages that charts cover.
     pub coverage: f64,
+    /// Where charts come nearer to themselves than the margin, chart by chart, the narrowest place first. No packing can
+    /// change that.
+    pub narrow: Vec<NarrowPlace>,
     /// Distortion of all charts together, and what is proved of them as stored: no overlap means that no two charts of a
-    /// page overlap, either. Faces that repair dropped are not judged.
+    /// page overlap, either. Faces that repair dropped are not judged. Of a page that is no square, the distortion is that
+    /// of texels, and `uv_area` counts its longer side as 1.
     pub metrics: Metrics,
+}
+
+/// A place where a chart comes nearer to itself than the margin, across what is outside of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NarrowPlace {
+    /// The chart, in the order of [`Unwrapped::charts`].
+    pub chart: usize,
+    /// The two nearest points of its boundary there, in the coordinates of [`UnwrappedChart::uv`].
+    pub ends: [Point2<f64>; 2],
+    /// How far they are apart, in texels.
+    pub texels: f64,
 }
 
 /// Where a chart is.
@@ -134,12 +151,12 @@ pub struct Placement {
 }
 
 impl Placement {
-    fn place(&self, p: Point2<f64>, texels_per_unit: f64, resolution: u32) -> Point2<f64> {
+    fn place(&self, p: Point2<f64>, texels_per_unit: f64, sides: [u32; 2]) -> Point2<f64> {
         let Self { page, turn, low, texel: corner } = *self;
         let placed = abf_pack::Placement { page, turn, low: [low.x, low.y], corner };
         // The last bits may point out of the page.
-        let within = placed.texel([p.x, p.y], texels_per_unit).map(|x| (x / f64::from(resolution)).clamp(0.0, 1.0));
-        Point2::from(within)
+        let [x, y] = placed.texel([p.x, p.y], texels_per_unit);
+        Point2::new(x / f64::from(sides[0]), y / f64::from(sides[1])).map(|x| x.clamp(0.0, 1.0))
     }
 }
 
@@ -149,12 +166,27 @@ impl From<abf_pack::Placement> for Placement {
     }
 }
 
+pub use repack::{Repack, Repacked};
+
 /// How a format stores a point.
 pub type Stored = fn(Point2<f64>) -> Point2<f64>;
 
 impl Atlas {
-    /// The most texels along a side.
-    pub const MAX_RESOLUTION: u32 = 1 << 16;
+    /// The most texels along a side of a page.
+    pub const MAX_SIDE: u32 = PackSettings::MAX_SIDE;
+
+    /// The margin that keeps charts apart in the mip levels from 0 to `levels`: `2 · 2^levels` texels.
+    ///
+    /// A texel of level `k` is the mean of `2^k × 2^k` texels. Bilinear filtering reads one texel of the level beside a
+    /// chart. With two texels of the level between two charts, each has one of its own. Saturates where no page is that
+    /// large.
+    #[must_use]
+    pub const fn margin_for_mip_levels(levels: u32) -> u32 {
+        match 2_u32.checked_shl(levels) {
+            Some(margin) if margin > 0 => margin,
+            _ => u32::MAX,
+        }
+    }
 
     /// Packs the charts of `mesh`. `materials` has a label for each of its faces, and is needed for
     /// [`AtlasPages::PerMaterial`] only. `stored` says what the format that the UVs are for makes of a point, in the
@@ -172,9 +204,11 @@ impl Atlas {
         (stored, precision): (Stored, Precision),
     ) -> Result<Packed, AtlasError> {
         self.check()?;
-        let page_of = self.pages_of(mesh, unwrapped, materials)?;
+        let components = || unwrapped.charts.iter().map(|chart| chart.component).collect();
+        let faces = unwrapped.charts.iter().map(|chart| chart.faces.as_slice());
+        let page_of = self.groups(mesh, faces, components, materials)?;
         let piece = |(chart, &group): (&UnwrappedChart, &usize)| Piece {
-            polygons: outline::polygons(chart),
+            polygons: outline_of(chart),
             group,
             keeps_its_angle: false,
         };
@@ -184,16 +218,27 @@ impl Atlas {
             let Packing { texels_per_unit, placements, pages, .. } =
                 abf_pack::pack(&pieces, &settings).map_err(|error| self.refused(error))?;
             let placements: Vec<Placement> = placements.into_iter().map(Placement::from).collect();
-            let uv = unwrapped.assemble(|i, p| stored(placements[i].place(p, texels_per_unit, self.resolution)));
-            let mut charts_of = vec![Vec::new(); pages];
-            placements.iter().enumerate().for_each(|(chart, placement)| charts_of[placement.page].push(chart));
-            let judged = judge::judge(mesh, unwrapped, &charts_of, &uv, precision)?;
-            let mut spoilt = judged.invalid_charts;
-            spoilt.retain(|&i| !pieces[i].keeps_its_angle && unwrapped.charts[i].metrics.valid());
+            let uv = unwrapped.assemble(|i, p| stored(placements[i].place(p, texels_per_unit, self.page)));
+            let mut judge = Judge::new(mesh, &unwrapped.turned, &uv, precision);
+            let mut faces_of = vec![Vec::new(); pages];
+            for (chart, placement) in unwrapped.charts.iter().zip(&placements) {
+                faces_of[placement.page].extend_from_slice(&chart.faces);
+            }
+            let certificate = judge.certificate(&faces_of)?;
+            let mut spoilt = Vec::new();
+            if !certificate.valid() {
+                for (i, chart) in unwrapped.charts.iter().enumerate() {
+                    let may_be = !pieces[i].keeps_its_angle && chart.metrics.valid();
+                    if may_be && !judge.certificate_of(&chart.faces)?.valid() {
+                        spoilt.push(i);
+                    }
+                }
+            }
             if spoilt.is_empty() {
-                let metrics = judged.metrics;
-                let coverage = metrics.uv_area / pages as f64;
-                return Ok(Packed { uv, placements, pages, texels_per_unit, coverage, metrics });
+                let metrics = judge.metrics(&faces_of.concat(), certificate, self.page)?;
+                let coverage = metrics.uv_area / (pages as f64 * self.aspect());
+                let narrow = self.narrow_places(&pieces, texels_per_unit);
+                return Ok(Packed { uv, placements, pages, texels_per_unit, coverage, narrow, metrics });
             }
             spoilt.iter().for_each(|&i| pieces[i].keeps_its_angle = true);
         }
@@ -206,19 +251,40 @@ impl Atlas {
             Precision::Double => f64::EPSILON,
         };
         PackSettings {
-            page: [self.resolution; 2],
+            page: self.page,
             margin: f64::from(self.margin),
-            rounding: rounding * f64::from(self.resolution),
+            rounding: rounding * f64::from(self.longer_side()),
             pages: self.max_pages,
             texels_per_unit: self.texels_per_unit,
             effort: self.effort,
         }
     }
 
+    fn longer_side(&self) -> u32 {
+        self.page[0].max(self.page[1])
+    }
+
+    /// The shorter side of a page as a part of the longer one.
+    fn aspect(&self) -> f64 {
+        f64::from(self.page[0].min(self.page[1])) / f64::from(self.longer_side())
+    }
+
+    fn narrow_places(&self, pieces: &[Piece], texels_per_unit: f64) -> Vec<NarrowPlace> {
+        let within = f64::from(self.margin) / texels_per_unit;
+        let of_chart = |(chart, piece): (usize, &Piece)| -> Vec<NarrowPlace> {
+            let place = |gap: abf_pack::Gap| {
+                let texels = gap.distance * texels_per_unit;
+                NarrowPlace { chart, ends: gap.points.map(Point2::from), texels }
+            };
+            abf_pack::gaps(piece, within).into_iter().map(place).collect()
+        };
+        pieces.par_iter().enumerate().flat_map_iter(of_chart).collect()
+    }
+
     fn refused(&self, error: PackError) -> AtlasError {
         match error {
             PackError::TooManyPieces { pieces, .. } => {
-                AtlasError::TooManyCharts { charts: pieces, margin: self.margin, resolution: self.resolution }
+                AtlasError::TooManyCharts { charts: pieces, margin: self.margin, page: self.page }
             }
             other => AtlasError::Pack(other),
         }
@@ -226,31 +292,35 @@ impl Atlas {
 
     fn check(&self) -> Result<(), AtlasError> {
         let wrong = |name, allowed, value| Err(SettingError::new(name, allowed, value).into());
-        if !(1..=Self::MAX_RESOLUTION).contains(&self.resolution) {
-            return wrong("resolution", "in 1..=65536 texels", self.resolution);
+        let [width, height] = self.page;
+        for (name, side) in [("page width", width), ("page height", height)] {
+            if !(1..=Self::MAX_SIDE).contains(&side) {
+                return wrong(name, "in 1..=65536 texels", side);
+            }
         }
-        if self.margin > self.resolution / 4 {
-            return wrong("margin", "at most a quarter of the resolution", self.margin);
+        if self.margin > width.min(height) / 4 {
+            return wrong("margin", "at most a quarter of the shorter side of the page", self.margin);
         }
         Ok(())
     }
 
-    /// The page of every chart, numbered by first appearance.
-    fn pages_of(
+    /// For every chart the group that it shares pages with, numbered by first appearance.
+    fn groups<'a>(
         &self,
         mesh: &TriMesh,
-        unwrapped: &Unwrapped,
+        charts: impl Iterator<Item = &'a [FaceId]>,
+        components: impl FnOnce() -> Vec<usize>,
         materials: Option<&[u32]>,
     ) -> Result<Vec<usize>, AtlasError> {
         let keys: Vec<usize> = match self.pages {
-            AtlasPages::One => vec![0; unwrapped.charts.len()],
-            AtlasPages::PerComponent => unwrapped.charts.iter().map(|chart| chart.component).collect(),
+            AtlasPages::One => charts.map(|_| 0).collect(),
+            AtlasPages::PerComponent => components(),
             AtlasPages::PerMaterial => {
                 let faces = mesh.face_count();
                 let labels = materials.filter(|labels| labels.len() == faces);
                 let labels = labels.ok_or(AtlasError::Labels { faces, given: materials.map_or(0, <[u32]>::len) })?;
-                let material = |f: &abf_mesh::FaceId| labels[f.index()] as usize;
-                unwrapped.charts.iter().map(|chart| most_frequent(chart.faces.iter().map(material))).collect()
+                let material = |f: &FaceId| labels[f.index()] as usize;
+                charts.map(|faces| most_frequent(faces.iter().map(material))).collect()
             }
         };
         let mut known: HashMap<usize, usize> = HashMap::new();
@@ -260,6 +330,15 @@ impl Atlas {
         };
         Ok(keys.into_iter().map(number).collect())
     }
+}
+
+fn outline_of(chart: &UnwrappedChart) -> Vec<Vec<Vec<[f64; 2]>>> {
+    let triangles = chart.uv.corners().as_chunks::<3>().0.iter().copied();
+    let place = |id: UvId| {
+        let p = chart.uv.points()[id.index()];
+        [p.x, p.y]
+    };
+    outline::polygons(triangles, place, chart.metrics.injective())
 }
 
 /// The value that is there most often; the least of several.

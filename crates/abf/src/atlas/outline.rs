@@ -1,34 +1,32 @@
 //! The outlines of a chart.
 
-use crate::unwrap::UnwrappedChart;
-use abf_mesh::Point2;
+use abf_mesh::UvId;
 use std::collections::HashMap;
+use std::hash::Hash;
 
-/// The polygons that a chart covers: one with a loop for every boundary of an injective chart; of any other, which may
+/// The polygons that triangles cover: one with a loop for every boundary of an injective chart; of any other, which may
 /// lie over itself, every triangle.
-pub(super) fn polygons(chart: &UnwrappedChart) -> Vec<Vec<Vec<[f64; 2]>>> {
-    let triangles = chart.uv.corners().as_chunks::<3>().0.iter().map(|three| three.map(|id| id.index() as u32));
-    let points = chart.uv.points();
-    let place = |id: u32| {
-        let Point2 { coords, .. } = points[id as usize];
-        [coords.x, coords.y]
-    };
-    if !chart.metrics.injective() {
-        return triangles.map(|three| vec![three.map(place).to_vec()]).collect();
+pub(super) fn polygons(
+    triangles: impl Iterator<Item = [UvId; 3]>,
+    place: impl Fn(UvId) -> [f64; 2],
+    is_injective: bool,
+) -> Vec<Vec<Vec<[f64; 2]>>> {
+    if !is_injective {
+        return triangles.map(|three| vec![three.map(&place).to_vec()]).collect();
     }
     let loops = boundary_loops(triangles);
-    vec![loops.into_iter().map(|ids| ids.into_iter().map(place).collect()).collect()]
+    vec![loops.into_iter().map(|ids| ids.into_iter().map(&place).collect()).collect()]
 }
 
 /// Closed ways along the edges that an odd number of triangles have. Where two boundaries meet in a point, it does not
 /// matter which way goes on: what is inside an odd number of loops is the same.
-fn boundary_loops(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<Vec<u32>> {
-    let mut edges: Vec<[u32; 2]> =
+fn boundary_loops<Id: Copy + Ord + Hash>(triangles: impl Iterator<Item = [Id; 3]>) -> Vec<Vec<Id>> {
+    let mut edges: Vec<[Id; 2]> =
         triangles.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).map(|[a, b]| [a.min(b), a.max(b)]).collect();
     edges.sort_unstable();
-    let edges: Vec<[u32; 2]> =
+    let edges: Vec<[Id; 2]> =
         edges.chunk_by(|a, b| a == b).filter(|same| same.len() % 2 == 1).map(|same| same[0]).collect();
-    let mut at: HashMap<u32, Vec<usize>> = HashMap::new();
+    let mut at: HashMap<Id, Vec<usize>> = HashMap::new();
     edges.iter().enumerate().for_each(|(i, ends)| ends.iter().for_each(|&end| at.entry(end).or_default().push(i)));
     let mut is_used = vec![false; edges.len()];
     let mut loops = Vec::new();
@@ -72,6 +70,6 @@ mod tests {
     fn triangles_that_meet_in_a_point_have_every_edge_once() {
         let loops = boundary_loops([[0, 1, 2], [0, 3, 4]].into_iter());
         assert_eq!(loops.iter().map(Vec::len).sum::<usize>(), 6);
-        assert_eq!(boundary_loops([[0, 1, 2], [0, 2, 1]].into_iter()), [] as [Vec<u32>; 0]);
+        assert_eq!(boundary_loops([[0, 1, 2], [0, 2, 1]].into_iter()), [] as [Vec<i32>; 0]);
     }
 }

@@ -1,9 +1,10 @@
 //! What was meant by charts: the options, checked.
 
 use super::args::{ChartArgs, SeamsFrom};
+use super::packing::atlas_of;
 use super::targets::check_extension;
 use super::usage::usage;
-use abf::{Atlas, AtlasPages, Effort, SeamRule, Unwrap};
+use abf::{Atlas, AtlasPages, SeamRule, Unwrap};
 use abf_mesh::io::MeshFormat;
 use clap::error::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ impl Charting {
     /// A usage error that names the option and its range.
     pub(crate) fn new(args: ChartArgs, inputs: &[PathBuf], output: Option<&Path>) -> Result<Self, clap::Error> {
         let is_asked = args.is_asked();
-        let (unwrap, atlas) = (Unwrap::default(), Atlas::default());
+        let unwrap = Unwrap::default();
         let wrong = |message: String| Err(usage(ErrorKind::ValueValidation, message));
         let is_gltf = |path: &Path| MeshFormat::from_path(path).is_some_and(MeshFormat::is_gltf);
         let to_gltf = output.is_some_and(is_gltf);
@@ -65,27 +66,14 @@ impl Charting {
         if let Some(length) = args.max_seam.filter(|l| !(*l >= 0.0)) {
             return wrong(format!("--max-seam must be at least 0, got {length}"));
         }
-        let resolution = args.resolution.unwrap_or(atlas.resolution);
-        if !(1..=Atlas::MAX_RESOLUTION).contains(&resolution) {
-            return wrong(format!("--resolution must be in 1..={}, got {resolution}", Atlas::MAX_RESOLUTION));
-        }
-        let margin = args.margin.unwrap_or(atlas.margin.min(resolution / 4));
-        if margin > resolution / 4 {
-            return wrong(format!("--margin must be at most a quarter of --resolution {resolution}, got {margin}"));
-        }
-        if args.max_pages == Some(0) {
-            return wrong("--max-pages must be at least 1, got 0".to_owned());
-        }
-        if let Some(texels) = args.texels_per_unit.filter(|t| !(*t > 0.0 && t.is_finite())) {
-            return wrong(format!("--texels-per-unit must be positive, got {texels}"));
-        }
+        let packing = atlas_of(&args.packing)?;
         for (option, path, extension) in [("--seam-lines", &args.seam_lines, "obj"), ("--remap", &args.remap, "json")] {
             if let Some(path) = path {
                 check_extension(option, path, &[extension])?;
             }
         }
         // Pages per material make sense only where charts end at their borders.
-        let by_material = args.atlas == Some(AtlasPages::PerMaterial);
+        let by_material = args.packing.atlas == Some(AtlasPages::PerMaterial);
         let seams = args.seams.unwrap_or(if by_material { SeamsFrom::File } else { SeamsFrom::Auto });
         let rule = if seams == SeamsFrom::Auto { SeamRule::Auto } else { SeamRule::Keep };
         Ok(Self {
@@ -101,15 +89,7 @@ impl Charting {
                 strict: args.strict,
                 ..unwrap
             },
-            atlas: Atlas {
-                pages: args.atlas.unwrap_or(atlas.pages),
-                resolution,
-                margin,
-                // A user of the program waits once for an atlas that is used often.
-                effort: args.pack.unwrap_or(Effort::Good),
-                max_pages: args.max_pages.unwrap_or(atlas.max_pages),
-                texels_per_unit: args.texels_per_unit,
-            },
+            atlas: packing,
             seams,
             is_asked,
             disks_only: args.disks_only,

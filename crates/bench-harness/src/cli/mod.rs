@@ -4,6 +4,7 @@ pub(crate) mod args;
 pub(crate) mod charts;
 pub(crate) mod methods;
 pub(crate) mod mistyped;
+pub(crate) mod packing;
 pub(crate) mod program;
 pub(crate) mod targets;
 pub(crate) mod typed;

@@ -93,6 +93,7 @@ Examples:
   {name} model.glb -o out.glb               a glTF stays as it is but for its UVs
   {name} disk.obj --solver all              every method, side by side
   {name} metrics out.obj                    judge the UVs that a file has
+  {name} pack model.glb -o out.glb          lay out anew the UVs that a file has
   {name} survey DIR --json out.json         every mesh of a folder"
     )
 }

@@ -59,7 +59,7 @@ fn fill(path: &Path, args: &MetricsArgs, record: &mut Record) -> Result<(), Fail
     record.size = Some(Size::of(&file.mesh, topology.as_ref()));
     let built = begin.elapsed().as_secs_f64();
 
-    let uv = file.uv.ok_or_else(|| Failure::no_uv(&record.mesh, file.notes.uv_dropped))?;
+    let uv = file.uv.ok_or_else(|| Failure::no_uv(&record.mesh, file.notes.uv_dropped, "judge"))?;
     let (uv, precision) = as_stored(uv, MeshFormat::of_input(path), file.notes.uv_single);
     let repair = (!args.as_stored).then(|| args.weld.unwrap_or_default());
     let quality = judged(&file.mesh, &uv, precision, repair);

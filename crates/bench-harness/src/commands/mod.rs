@@ -4,4 +4,5 @@ pub(crate) mod compare;
 pub(crate) mod fixtures;
 pub(crate) mod flatten;
 pub(crate) mod metrics;
+pub(crate) mod pack;
 pub(crate) mod survey;

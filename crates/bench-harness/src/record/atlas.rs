@@ -3,10 +3,10 @@
 use super::figure::{self, known};
 use super::run::Solved;
 use super::settings::written;
-use abf::{Pipeline, Placement, Unwrap, UnwrappedChart};
+use abf::{NarrowPlace, Pipeline, Placement, Unwrap, UnwrappedChart};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
 
 /// Rounding is no reason to miss an aim.
@@ -21,8 +21,8 @@ pub(crate) struct Atlas {
     pub(crate) charts: Vec<Charted>,
     /// How many unit squares they are in.
     pub(crate) pages: usize,
-    /// Texels along a side of a page.
-    pub(crate) resolution: u32,
+    /// Texels of a page along x and y.
+    pub(crate) page: [u32; 2],
     /// Texels between charts.
     pub(crate) margin: u32,
     /// Texels per unit of the mesh, the same in all charts.
@@ -31,6 +31,9 @@ pub(crate) struct Atlas {
     /// The part of the pages that charts cover.
     #[serde(with = "figure")]
     pub(crate) coverage: f64,
+    /// Where charts come nearer to themselves than the margin.
+    #[serde(default)]
+    pub(crate) narrow: Narrow,
     /// How many edges are seams.
     pub(crate) seam_edges: usize,
     /// Their length.
@@ -74,6 +77,18 @@ impl ChartSettings {
     }
 }
 
+/// Places where charts come nearer to themselves than the margin.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Narrow {
+    /// How many.
+    pub(crate) places: usize,
+    /// In how many charts.
+    pub(crate) charts: usize,
+    /// How wide the narrowest is, in texels.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) least: Option<f64>,
+}
+
 /// One chart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Charted {
@@ -115,6 +130,14 @@ impl Deref for Charted {
 
     fn deref(&self) -> &Solved {
         &self.solved
+    }
+}
+
+impl Narrow {
+    pub(crate) fn new(places: &[NarrowPlace]) -> Self {
+        let charts: BTreeSet<usize> = places.iter().map(|place| place.chart).collect();
+        let least = places.iter().map(|place| place.texels).min_by(f64::total_cmp);
+        Self { places: places.len(), charts: charts.len(), least }
     }
 }
 

@@ -87,11 +87,11 @@ impl Failure {
         Self::new(hints::metrics(error), format!("{mesh}: {}", counted(chain(error), &at, false))).at(at)
     }
 
-    /// A file without UVs where there should be some.
-    pub(crate) fn no_uv(mesh: &str, dropped: Option<UvDropped>) -> Self {
+    /// A file without UVs where there should be some, to do this with.
+    pub(crate) fn no_uv(mesh: &str, dropped: Option<UvDropped>, purpose: &str) -> Self {
         let why = dropped.map_or_else(String::new, |why| format!(" that can be used: {why}"));
-        let hint = "flatten it first, and judge what that writes: abf MESH -o out.obj";
-        Self::new((FailureKind::NoUv, hint), format!("{mesh}: there are no UVs{why}"))
+        let hint = format!("flatten it first, and {purpose} what that writes: abf MESH -o out.obj");
+        Self::new((FailureKind::NoUv, &hint), format!("{mesh}: there are no UVs{why}"))
     }
 
     /// A mesh that cannot be written.
@@ -260,7 +260,7 @@ mod tests {
                 assert!(one.kind != other.kind && one.hint != other.hint, "{one:?} {other:?}");
             }
         }
-        let no_room = AtlasError::TooManyCharts { charts: 900, margin: 2, resolution: 64 };
+        let no_room = AtlasError::TooManyCharts { charts: 900, margin: 2, page: [64; 2] };
         let failure = Failure::atlas("a.obj", &no_room);
         assert!(failure.message.ends_with("do not fit into 64 × 64 texels"), "{}", failure.message);
         assert!(failure.hint.contains("--resolution") && failure.hint.contains("--margin"), "{}", failure.hint);

@@ -172,9 +172,10 @@ pub(crate) fn atlas(error: &AtlasError) -> Hint {
         AtlasError::Labels { .. } => {
             (FailureKind::NoMaterials, "take --atlas one, or --atlas per-component: this file has no materials")
         }
-        AtlasError::TooManyCharts { .. } => {
-            (FailureKind::TooManyCharts, "use a larger --resolution, or a smaller --margin, or more --max-pages")
-        }
+        AtlasError::TooManyCharts { .. } => (
+            FailureKind::TooManyCharts,
+            "use a larger --resolution or --page, or a smaller --margin, or more --max-pages",
+        ),
         AtlasError::Pack(error) => pack(error),
         AtlasError::Metrics(error) => metrics(error),
         _ => (FailureKind::Internal, REPORT),
@@ -186,17 +187,19 @@ fn pack(error: &PackError) -> Hint {
     match error {
         PackError::Setting(_) => SETTING,
         PackError::PageTooSmall { .. } => {
-            (FailureKind::PageTooSmall, "use a larger --resolution, or a smaller --margin")
+            (FailureKind::PageTooSmall, "use a larger --resolution or --page, or a smaller --margin")
         }
         PackError::PieceTooLarge { .. } => {
-            (FailureKind::ChartTooLarge, "use a lower --texels-per-unit, or a larger --resolution")
+            (FailureKind::ChartTooLarge, "use a lower --texels-per-unit, or a larger --resolution or --page")
         }
-        PackError::TooManyPages { .. } => {
-            (FailureKind::TooManyPages, "use more --max-pages, or a lower --texels-per-unit, or a larger --resolution")
-        }
-        PackError::TooManyPieces { .. } => {
-            (FailureKind::TooManyCharts, "use a larger --resolution, or a smaller --margin, or more --max-pages")
-        }
+        PackError::TooManyPages { .. } => (
+            FailureKind::TooManyPages,
+            "use more --max-pages, or a lower --texels-per-unit, or a larger --resolution or --page",
+        ),
+        PackError::TooManyPieces { .. } => (
+            FailureKind::TooManyCharts,
+            "use a larger --resolution or --page, or a smaller --margin, or more --max-pages",
+        ),
         // The charts that are packed are finite and have points.
         PackError::NotFinite { .. } | PackError::NoPoints { .. } => (FailureKind::Internal, REPORT),
         _ => (FailureKind::Internal, REPORT),

@@ -18,6 +18,7 @@ mod outcome;
 mod quality;
 #[cfg(test)]
 mod reads_back;
+mod repacked;
 mod result;
 mod run;
 mod settings;
@@ -27,13 +28,14 @@ mod text;
 mod times;
 
 pub(crate) use accuracy::InnerAccuracy;
-pub(crate) use atlas::{Atlas, ChartSettings, Charted};
+pub(crate) use atlas::{Atlas, ChartSettings, Charted, Narrow};
 pub(crate) use change::Change;
 pub(crate) use head::{Head, Machine, Program};
 pub(crate) use json::{Document, SCHEMA, pretty, to_json};
 pub(crate) use not_run::NotRun;
 pub(crate) use outcome::Outcome;
 pub(crate) use quality::Quality;
+pub(crate) use repacked::Repacked;
 pub(crate) use result::Record;
 pub(crate) use run::{Run, Rung};
 pub(crate) use settings::Asked;

@@ -1,6 +1,6 @@
 //! Everything that is written reads back as it was.
 
-use super::atlas::{Atlas, ChartSettings, Charted};
+use super::atlas::{Atlas, ChartSettings, Charted, Narrow};
 use super::change::Change;
 use super::failure::Failure;
 use super::head::Head;
@@ -10,6 +10,7 @@ use super::kind::{FailureKind, NotRunKind, Refused};
 use super::location::Location;
 use super::not_run::NotRun;
 use super::quality::Quality;
+use super::repacked::Repacked;
 use super::result::Record;
 use super::run::{Limits, Run, Rung, Solved};
 use super::settings::Asked;
@@ -200,7 +201,8 @@ impl Dice {
             settings: ChartSettings::new(&unwrap, &packing),
             charts: self.some(Self::chart),
             pages: self.count(),
-            resolution: 1024,
+            page: [1024, 512],
+            narrow: self.narrow(),
             margin: 2,
             texels_per_unit: self.figure(),
             coverage: self.figure(),
@@ -211,6 +213,26 @@ impl Dice {
             is_bound: self.yes(),
             may_overlap: self.yes(),
             repairs: self.some(Self::text),
+        }
+    }
+
+    fn narrow(&mut self) -> Narrow {
+        Narrow { places: self.count(), charts: self.count(), least: self.maybe(Self::number) }
+    }
+
+    fn repacked(&mut self) -> Repacked {
+        Repacked {
+            islands: self.count(),
+            overlapping: self.count(),
+            stacked: self.count(),
+            pieces: self.count(),
+            pages: self.count(),
+            page: [64, 2048],
+            margin: 3,
+            texels_per_unit: self.figure(),
+            coverage: self.figure(),
+            narrow: self.narrow(),
+            page_of_island: self.some(Self::count),
         }
     }
 
@@ -286,6 +308,7 @@ impl Dice {
             solver: self.maybe(Self::solver),
             run: self.maybe(Self::run),
             atlas: self.maybe(Self::atlas),
+            repacked: self.maybe(Self::repacked),
             quality: self.maybe(Self::quality),
             kkt: self.maybe(|dice| Kkt {
                 unknowns: dice.count(),

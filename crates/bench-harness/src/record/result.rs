@@ -6,6 +6,7 @@ use super::failure::Failure;
 use super::not_run::NotRun;
 use super::outcome::{Outcome, result_word};
 use super::quality::Quality;
+use super::repacked::Repacked;
 use super::run::Run;
 use super::size::{Kkt, Size};
 use super::times::{Repeats, Timings};
@@ -31,6 +32,9 @@ pub(crate) struct Record {
     /// The charts, where the mesh was cut into some.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) atlas: Option<Atlas>,
+    /// The islands of a file, laid out anew.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) repacked: Option<Repacked>,
     /// How valid and how distorted the UVs are.
     #[serde(flatten)]
     pub(crate) quality: Option<Quality>,

@@ -4,7 +4,7 @@ use crate::cli::args::SeamsFrom;
 use crate::cli::charts::Charting;
 use crate::record::failure::Failure;
 use crate::record::number::count;
-use crate::record::{Atlas as AtlasRecord, ChartSettings, Charted};
+use crate::record::{Atlas as AtlasRecord, ChartSettings, Charted, Narrow};
 use crate::run::load::Loaded;
 use crate::run::progress::Progress;
 use abf::cut::RepairReport;
@@ -59,17 +59,22 @@ pub(crate) fn charts(
         Unwrap { pipeline: Pipeline { normalize: false, ..pipeline.clone() }, cut_disks, ..charting.unwrap.clone() };
     let unwrapped = unwrap.run(mesh, &hints, progress).map_err(|e| Failure::unwrap(&loaded.name, &e, loaded.fanned))?;
     let charts_s = begin.elapsed().as_secs_f64();
-    let stored: (Stored, Precision) = match (charting.to_gltf, pipeline.precision) {
-        (true, _) => (stored_uv, Precision::Single),
-        (false, Precision::Single) => (|p| p.map(|x| Precision::Single.round(x)), Precision::Single),
-        (false, Precision::Double) => (|p| p, Precision::Double),
-    };
+    let stored = stored(charting.to_gltf, pipeline.precision);
     progress.say("packing");
     let packed = charting.atlas.pack(mesh, &unwrapped, known.materials.as_deref(), stored);
     let packed = packed.map_err(|error| Failure::atlas(&loaded.name, &error))?;
     let record = record(&unwrap, charting, &unwrapped, &packed);
     let (turned, shared) = (unwrapped.turned.len(), unwrapped.shared);
     Ok(Charts { packed, record, seams: unwrapped.seams, turned, shared, charts_s })
+}
+
+/// What a file makes of UVs, and what is proved of them there.
+pub(crate) fn stored(to_gltf: bool, precision: Precision) -> (Stored, Precision) {
+    match (to_gltf, precision) {
+        (true, _) => (stored_uv, Precision::Single),
+        (false, Precision::Single) => (|p| p.map(|x| Precision::Single.round(x)), Precision::Single),
+        (false, Precision::Double) => (|p| p, Precision::Double),
+    }
 }
 
 fn record(unwrap: &Unwrap, charting: &Charting, unwrapped: &Unwrapped, packed: &Packed) -> AtlasRecord {
@@ -88,7 +93,8 @@ fn record(unwrap: &Unwrap, charting: &Charting, unwrapped: &Unwrapped, packed: &
         settings: ChartSettings::new(unwrap, atlas),
         charts: unwrapped.charts.iter().zip(&packed.placements).map(charted).collect(),
         pages: packed.pages,
-        resolution: atlas.resolution,
+        page: atlas.page,
+        narrow: Narrow::new(&packed.narrow),
         margin: atlas.margin,
         texels_per_unit: packed.texels_per_unit,
         coverage: packed.coverage,

@@ -7,7 +7,7 @@ use crate::run::memory::HeapWatch;
 use crate::run::progress::Progress;
 use crate::run::source::{Document, Gltf, Source, holds_more};
 use crate::show::console;
-use abf_mesh::io::{ObjDocument, VertexColours};
+use abf_mesh::io::{ObjDocument, UvDropped, VertexColours};
 use abf_mesh::{TriMesh, UvMap, VertexId};
 use std::collections::{BTreeMap, HashSet};
 use std::time::Instant;
@@ -78,6 +78,11 @@ impl Loaded {
     /// The colours of its vertices, if the file is a PLY that has some.
     pub(crate) fn colours(&self) -> Option<&VertexColours> {
         self.document.file().colours.as_ref()
+    }
+
+    /// Why it has none, if it has some that cannot be used.
+    pub(crate) fn uv_dropped(&self) -> Option<UvDropped> {
+        self.document.file().notes.uv_dropped
     }
 
     /// The document, if it is a glTF.

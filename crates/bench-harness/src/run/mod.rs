@@ -7,6 +7,7 @@ pub(crate) mod memory;
 pub(crate) mod meshes;
 pub(crate) mod progress;
 pub(crate) mod source;
+pub(crate) mod write;
 
 use crate::cli::charts::Charting;
 use crate::cli::methods::Method;

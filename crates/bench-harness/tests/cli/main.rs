@@ -12,6 +12,7 @@ mod memory;
 mod metrics;
 mod models;
 mod names;
+mod packing;
 mod refusals;
 mod solvers;
 mod support;

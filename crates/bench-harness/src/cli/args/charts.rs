@@ -1,13 +1,12 @@
 //! The options of seams, holes and the atlas.
 
 use super::method::one_of;
-use abf::{AtlasPages, DoubleSided, Effort, HoleRule, UnknownName, Weld};
+use super::packing::{CHARTS, PackingArgs};
+use abf::{DoubleSided, HoleRule, UnknownName, Weld};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
-
-const CHARTS: &str = "Charts: for meshes that are no disks, or when one of these is given";
 
 /// How meshes become charts, and charts an atlas. What was not given is `None`.
 #[derive(Debug, Default, clap::Args)]
@@ -50,24 +49,9 @@ pub(crate) struct ChartArgs {
     /// Refuse meshes that are no disks, instead of making charts of them
     #[arg(long, help_heading = CHARTS)]
     pub(crate) disks_only: bool,
-    /// Which charts share a unit square [default: one]
-    #[arg(long, value_name = "PAGES", value_parser = one_of::<AtlasPages, _>(AtlasPages::ALL.map(AtlasPages::name)), help_heading = CHARTS)]
-    pub(crate) atlas: Option<AtlasPages>,
-    /// Texels along a side of the atlas, for the margin [default: 1024]
-    #[arg(long, value_name = "N", help_heading = CHARTS)]
-    pub(crate) resolution: Option<u32>,
-    /// Texels between charts [default: 2]
-    #[arg(long, value_name = "N", help_heading = CHARTS)]
-    pub(crate) margin: Option<u32>,
-    /// How hard to try to fill the atlas: milliseconds, about a second, or several [default: good]
-    #[arg(long, hide_short_help = true, value_name = "EFFORT", value_parser = one_of::<Effort, _>(Effort::ALL.map(Effort::name)), help_heading = CHARTS)]
-    pub(crate) pack: Option<Effort>,
-    /// How many pages the charts may take that share pages [default: 1]
-    #[arg(long, hide_short_help = true, value_name = "N", help_heading = CHARTS)]
-    pub(crate) max_pages: Option<usize>,
-    /// Texels per unit of the mesh, on as many pages as that takes [default: as many as fit]
-    #[arg(long, hide_short_help = true, value_name = "T", help_heading = CHARTS)]
-    pub(crate) texels_per_unit: Option<f64>,
+    /// How they are laid out.
+    #[command(flatten)]
+    pub(crate) packing: PackingArgs,
     /// Write the seams as lines: obj
     #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = CHARTS)]
     pub(crate) seam_lines: Option<PathBuf>,
@@ -82,20 +66,7 @@ pub(crate) struct ChartArgs {
 impl ChartArgs {
     /// Whether charts are asked for, whatever the mesh is.
     pub(crate) fn is_asked(&self) -> bool {
-        let Self {
-            seams,
-            holes,
-            max_stretch,
-            max_seam,
-            cut_disks,
-            weld,
-            strict,
-            atlas,
-            resolution,
-            margin,
-            crease_angle,
-            ..
-        } = self;
+        let Self { seams, holes, max_stretch, max_seam, cut_disks, weld, strict, crease_angle, .. } = self;
         seams.is_some()
             || holes.is_some()
             || max_stretch.is_some()
@@ -106,12 +77,7 @@ impl ChartArgs {
             || *strict
             || self.double_sided.is_some()
             || self.overlap.is_some()
-            || atlas.is_some()
-            || resolution.is_some()
-            || margin.is_some()
-            || self.pack.is_some()
-            || self.max_pages.is_some()
-            || self.texels_per_unit.is_some()
+            || self.packing.is_given()
             || self.seam_lines.is_some()
             || self.remap.is_some()
     }

@@ -2,6 +2,7 @@
 
 mod charts;
 mod method;
+mod packing;
 
 use abf::{SolverKind, Weld};
 use abf_mesh::io::MeshFormat;
@@ -11,10 +12,11 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
 use method::MOST_THREADS;
 pub(crate) use method::{MethodArgs, SolverChoice, names};
+pub(crate) use packing::{Margin, PackArgs, PackingArgs, PageSize};
 use std::path::PathBuf;
 
 /// The names of the commands besides flattening.
-pub(crate) const COMMANDS: [&str; 4] = ["compare", "survey", "metrics", "fixtures"];
+pub(crate) const COMMANDS: [&str; 5] = ["compare", "survey", "metrics", "pack", "fixtures"];
 
 const COMPARE: &str = "\
 Every file is written anew after every mesh, so that stopping half-way keeps what is done.
@@ -33,6 +35,15 @@ Exit codes:
   0  every mesh has a valid map
   1  some have not, or were refused, or it was cancelled; what is done is written
   2  no mesh at all, a file that cannot be written, unusable usage";
+
+const PACK: &str = "\
+Islands keep their shape and all are scaled alike. Those that lie over each other stay together.
+A unit of --texels-per-unit is one of the UVs as they are: with the side of their page, islands keep their size.
+
+Exit codes:
+  0  packed, and valid
+  1  packed, but the UVs were not valid before, and are not now
+  2  no UVs, no room, a file that cannot be written, unusable usage";
 
 /// Flatten triangle meshes and say how good, how valid and how fast it was.
 #[derive(Debug, Parser)]
@@ -69,6 +80,7 @@ impl Args {
             None => self.flatten.method.threads,
             Some(Command::Compare(args)) => args.method.threads,
             Some(Command::Survey(args)) => args.method.threads,
+            Some(Command::Pack(args)) => args.threads,
             Some(Command::Metrics(_) | Command::Fixtures(_)) => None,
         }
     }
@@ -88,6 +100,9 @@ pub(crate) enum Command {
         after_help = "Exit codes:\n  0  all valid\n  1  a file that is not valid: flipped or collapsed triangles, vertices wound around twice\n  2  unusable input"
     )]
     Metrics(MetricsArgs),
+    /// Lay out anew the UV islands that a file has, without flattening
+    #[command(after_help = PACK)]
+    Pack(Box<PackArgs>),
     /// Write the fixture meshes, or one shape of any size
     Fixtures(FixturesArgs),
 }
@@ -264,7 +279,7 @@ mod tests {
             iterative.max_inner_iterations.to_string(),
             abf::Descent::default().barrier_floor.to_string(),
             abf::Unwrap::default().max_stretch.to_string(),
-            abf::Atlas::default().resolution.to_string(),
+            abf::Atlas::default().page[0].to_string(),
             abf::Atlas::default().margin.to_string(),
         ] {
             assert!(help.contains(&format!("[default: {text}]")), "{text}: {help}");

@@ -1,7 +1,7 @@
 //! Charts and their atlas, in lines.
 
-use crate::record::Atlas;
 use crate::record::number::{count, significant};
+use crate::record::{Atlas, Narrow, Repacked};
 use std::collections::BTreeMap;
 
 /// Sizes matter, not digits.
@@ -22,12 +22,46 @@ pub(super) fn lines(solver: &str, atlas: &Atlas) -> Vec<(&'static str, String)> 
             "{}, {}% covered, {texels} texels per unit at {} × {}, margin {}",
             count(atlas.pages, "page", "pages"),
             (100.0 * atlas.coverage).round(),
-            atlas.resolution,
-            atlas.resolution,
+            atlas.page[0],
+            atlas.page[1],
             atlas.margin
         ),
     ));
+    lines.extend(narrow_line(&atlas.narrow, ["chart", "charts"]).map(|line| ("narrow", line)));
     lines
+}
+
+/// The same for islands that were packed anew.
+pub(super) fn lines_of_islands(repacked: &Repacked) -> Vec<(&'static str, String)> {
+    let mut islands = vec![count(repacked.islands, "island", "islands")];
+    if repacked.overlapping > 0 {
+        islands.push(format!("{} over others, kept together with them", repacked.overlapping));
+    }
+    if repacked.stacked > 0 {
+        islands.push(format!("{} upon others of their shape, each shape judged once", repacked.stacked));
+    }
+    let texels = significant(repacked.texels_per_unit, DIGITS);
+    let atlas = format!(
+        "{}, {}% covered, {texels} texels per unit of the UVs before at {} × {}, margin {}",
+        count(repacked.pages, "page", "pages"),
+        (100.0 * repacked.coverage).round(),
+        repacked.page[0],
+        repacked.page[1],
+        repacked.margin
+    );
+    let mut lines = vec![("islands", islands.join(", ")), ("atlas", atlas)];
+    lines.extend(narrow_line(&repacked.narrow, ["island", "islands"]).map(|line| ("narrow", line)));
+    lines
+}
+
+fn narrow_line(narrow: &Narrow, [one, several]: [&str; 2]) -> Option<String> {
+    let Narrow { places, charts, least } = narrow;
+    let least = significant((*least)?, DIGITS);
+    Some(format!(
+        "{} of {} nearer to themselves than the margin, the narrowest {least} texels",
+        count(*places, "place", "places"),
+        count(*charts, one, several)
+    ))
 }
 
 fn solver_line(solver: &str, atlas: &Atlas) -> String {

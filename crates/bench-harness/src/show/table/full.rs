@@ -22,10 +22,13 @@ pub(crate) fn in_full(record: &Record) -> String {
         (Some(solver), Some(run), None) => lines.extend(run_lines(solver, run)),
         _ => {}
     }
+    if let Some(repacked) = &record.repacked {
+        lines.extend(super::atlas::lines_of_islands(repacked));
+    }
     if let Some(quality) = &record.quality {
         lines.push(("valid", valid_line(quality)));
         lines.push(("injective", injective_line(quality)));
-        if quality.charts > 1 && record.atlas.is_none() {
+        if quality.charts > 1 && record.atlas.is_none() && record.repacked.is_none() {
             lines.push(("charts", quality.charts.to_string()));
         }
         lines.extend(distortion_lines(quality));

@@ -1,0 +1,166 @@
+//! From the UVs that a mesh has to an atlas, without flattening.
+
+mod congruent;
+mod islands;
+mod overlapping;
+
+use super::judge::Judge;
+use super::{Atlas, AtlasError, NarrowPlace, Placement, Stored};
+use abf_mesh::{FaceId, Point2, TriMesh, UvMap};
+use abf_metrics::{Metrics, Precision};
+use abf_pack::{Packing, Piece};
+use islands::Islands;
+
+/// Lays out anew the UV islands that a mesh has: packed by their shape, all scaled alike, none of them changed otherwise.
+///
+/// ```
+/// use abf::mesh::{Point2, Point3, TriMesh, UvId, UvMap};
+/// use abf::{Precision, Repack};
+///
+/// // Two triangles, far apart in the plane.
+/// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = TriMesh::new(points.map(Point3::from).to_vec(), &[[0, 1, 2], [0, 2, 3]])?;
+/// let places = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [50.0, 0.0], [51.0, 1.0], [50.0, 1.0]];
+/// let uv = UvMap::new(places.map(Point2::from).to_vec(), (0..6).map(UvId::new).collect());
+///
+/// let packed = Repack::default().run(&mesh, &uv, None, (|p| p, Precision::Double))?;
+/// assert_eq!(packed.islands, 2);
+/// assert!(packed.coverage > 0.4 && packed.metrics.injective());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// Islands that lie over each other stay together, as one piece. A unit of [`Atlas::texels_per_unit`] is one of the UVs as
+/// they are: with the side of the page that they were made for, islands keep their size.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct Repack {
+    /// The pages.
+    pub atlas: Atlas,
+    /// Whether islands of the same shape are laid upon each other, turned but not mirrored. Their points agree within a
+    /// hundred-thousandth of the extent of all UVs, and a thousandth of their own; those laid upon others take their places
+    /// to the bit.
+    pub stack: bool,
+}
+
+/// UV islands in the unit squares of their pages.
+#[derive(Clone, Debug)]
+pub struct Repacked {
+    /// The map, with the corners of the one given, each island within `[0, 1]²` of its page, as it will be stored. Points
+    /// that no corner uses are at the origin.
+    pub uv: UvMap,
+    /// How many islands there are: faces that share UV points, or have points of one vertex in one place, are in one.
+    pub islands: usize,
+    /// The island of every face, numbered by first appearance.
+    pub island_of_face: Vec<usize>,
+    /// Where every island is. One that is laid upon another is where that is.
+    pub placements: Vec<Placement>,
+    /// How many islands lie over others, and stay together with them.
+    pub overlapping: usize,
+    /// For every island the one that it is laid upon.
+    pub stacked_on: Vec<Option<usize>>,
+    /// What was packed: islands that lie over each other are one piece, and so are those laid upon each other.
+    pub pieces: usize,
+    /// How many pages there are.
+    pub pages: usize,
+    /// How many texels a unit of the UVs as they were gets.
+    pub texels_per_unit: f64,
+    /// The part of the pages that islands cover; where they lie over each other it counts once.
+    pub coverage: f64,
+    /// Where islands come nearer to themselves than the margin: [`NarrowPlace::chart`] is the island.
+    pub narrow: Vec<NarrowPlace>,
+    /// The distortion of all faces, and what is proved of them as stored, but for islands that are laid upon others: an
+    /// overlap is one that the map had before.
+    pub metrics: Metrics,
+}
+
+impl Repack {
+    /// Packs the islands of `uv`. The other arguments are those of [`Atlas::pack`]; a component is a set of faces that are
+    /// connected by vertices.
+    ///
+    /// An island that is valid before, and would not be after turning and rounding, is not turned.
+    ///
+    /// # Errors
+    /// [`AtlasError`]; [`AtlasError::Metrics`] for UVs that are NaN or infinite.
+    pub fn run(
+        &self,
+        mesh: &TriMesh,
+        uv: &UvMap,
+        materials: Option<&[u32]>,
+        (stored, precision): (Stored, Precision),
+    ) -> Result<Repacked, AtlasError> {
+        let atlas = &self.atlas;
+        atlas.check()?;
+        let islands = Islands::find(mesh, uv, precision)?;
+        let group =
+            atlas.groups(mesh, islands.faces.iter().map(Vec::as_slice), || islands.components(mesh), materials)?;
+        let stacked_on = if self.stack { congruent::stacks(&islands, &group) } else { vec![None; islands.len()] };
+        let bundles = islands.bundles(&stacked_on);
+        let mut pieces: Vec<Piece> = bundles
+            .iter()
+            .map(|bundle| Piece {
+                polygons: bundle.iter().flat_map(|&i| islands.polygons(i)).collect(),
+                group: group[bundle[0]],
+                keeps_its_angle: false,
+            })
+            .collect();
+        let settings = atlas.packer(precision);
+        loop {
+            let Packing { texels_per_unit, placements, pages, coverage } =
+                abf_pack::pack(&pieces, &settings).map_err(|error| atlas.refused(error))?;
+            let mut of_island = vec![Placement::from(placements[0]); islands.len()];
+            for (bundle, &placed) in bundles.iter().zip(&placements) {
+                bundle.iter().for_each(|&i| of_island[i] = placed.into());
+            }
+            for (i, leader) in stacked_on.iter().enumerate() {
+                leader.iter().for_each(|leader: &congruent::Stacked| of_island[i] = of_island[leader.on]);
+            }
+            let place = |i: usize, p| stored(of_island[i].place(p, texels_per_unit, atlas.page));
+            let packed = islands.moved(&stacked_on, place);
+            let mut judge = Judge::new(mesh, &[], &packed, precision);
+            let mut faces_of: Vec<Vec<FaceId>> = vec![Vec::new(); pages];
+            for &i in bundles.iter().flatten() {
+                faces_of[of_island[i].page].extend_from_slice(&islands.faces[i]);
+            }
+            let certificate = judge.certificate(&faces_of)?;
+            let mut spoilt = Vec::new();
+            if !certificate.valid() {
+                for (number, bundle) in bundles.iter().enumerate().filter(|&(n, _)| !pieces[n].keeps_its_angle) {
+                    for &i in bundle.iter().filter(|&&i| islands.is_valid[i]) {
+                        if !judge.certificate_of(&islands.faces[i])?.valid() {
+                            spoilt.push(number);
+                        }
+                    }
+                }
+            }
+            if spoilt.is_empty() {
+                let all: Vec<FaceId> = (0..mesh.face_count()).map(FaceId::new).collect();
+                let metrics = judge.metrics(&all, certificate, atlas.page)?;
+                let mut narrow = atlas.narrow_places(&pieces, texels_per_unit);
+                narrow.iter_mut().for_each(|place| place.chart = bundles[place.chart][0]);
+                return Ok(Repacked {
+                    islands: islands.len(),
+                    overlapping: bundles.iter().filter(|bundle| bundle.len() > 1).map(Vec::len).sum(),
+                    placements: of_island,
+                    stacked_on: stacked_on.into_iter().map(|leader| leader.map(|leader| leader.on)).collect(),
+                    pieces: bundles.len(),
+                    island_of_face: islands.of_face,
+                    uv: packed,
+                    pages,
+                    texels_per_unit,
+                    coverage,
+                    narrow,
+                    metrics,
+                });
+            }
+            spoilt.into_iter().for_each(|number| pieces[number].keeps_its_angle = true);
+        }
+    }
+}
+
+/// The coordinates of a point.
+fn xy(p: Point2<f64>) -> [f64; 2] {
+    [p.x, p.y]
+}
+
+#[cfg(test)]
+mod tests;
