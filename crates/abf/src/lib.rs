@@ -25,6 +25,7 @@ mod atlas;
 mod error;
 mod flattening;
 mod judge;
+mod pattern;
 mod precision_limits;
 mod run;
 mod settings;
@@ -59,6 +60,7 @@ pub use atlas::{Atlas, AtlasError, AtlasPages, NarrowPlace, Packed, Placement, R
 pub use error::FlattenError;
 pub use flattening::{Flattening, LayoutReport, RungReport};
 pub use judge::{JudgeError, Judgement, judge};
+pub use pattern::{Developed, Laid, Orient, Pattern};
 pub use precision_limits::PrecisionLimits;
 pub use run::flatten;
 pub use settings::*;

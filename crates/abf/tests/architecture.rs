@@ -46,6 +46,7 @@ const ROOMS: &[(&str, &[&[&str]])] = &[
             &["run"],
             &["unwrap"],
             &["atlas"],
+            &["pattern"],
             &["arrays"],
         ],
     ),

@@ -20,6 +20,8 @@
 //! a point nearer than the margin touches. Pieces are put where the second set of the one meets no cell of the first set of
 //! another. So no two points of two pieces are nearer than the margin, whatever the size of the cells.
 //!
+//! [`side_by_side`] puts pieces beside each other at their own scale instead, for cutting.
+//!
 //! **The result does not depend on time or threads.** What is tried is counted, not timed.
 
 mod boxes;
@@ -34,9 +36,11 @@ mod raster;
 mod search;
 mod settings;
 mod shape;
+mod side_by_side;
 
 pub use error::PackError;
 pub use gaps::{Gap, gaps};
 pub use piece::{Packing, Piece, Placement};
 pub use search::pack;
 pub use settings::{Effort, PackSettings};
+pub use side_by_side::{SideBySide, side_by_side};

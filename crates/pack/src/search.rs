@@ -35,7 +35,7 @@ pub fn pack(pieces: &[Piece], settings: &PackSettings) -> Result<Packing, PackEr
 }
 
 /// The length of the longest piece; 1 if none has a length.
-fn check(pieces: &[Piece]) -> Result<f64, PackError> {
+pub(crate) fn check(pieces: &[Piece]) -> Result<f64, PackError> {
     let mut unit = 0.0_f64;
     for (piece, points) in pieces.iter().map(Piece::points).enumerate() {
         let points: Vec<[f64; 2]> = points.collect();

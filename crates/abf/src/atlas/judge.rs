@@ -1,22 +1,23 @@
 //! What is proved of packed charts, and how distorted they are.
 
+use crate::unwrap::UnwrappedChart;
 use abf_mesh::{FaceId, Point2, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify_stored, measure_certified};
 
 /// Judges faces of a mesh with its map: exactly, as stored.
-pub(super) struct Judge<'a> {
+pub(crate) struct Judge<'a> {
     parts: Parts<'a>,
     precision: Precision,
 }
 
 impl<'a> Judge<'a> {
     /// Faces in `turned` are judged the other way around: as repair turned them.
-    pub(super) fn new(mesh: &'a TriMesh, turned: &[FaceId], uv: &'a UvMap, precision: Precision) -> Self {
+    pub(crate) fn new(mesh: &'a TriMesh, turned: &[FaceId], uv: &'a UvMap, precision: Precision) -> Self {
         Self { parts: Parts::new(mesh, turned, uv), precision }
     }
 
     /// What is proved of the faces of each page, together.
-    pub(super) fn certificate(&mut self, pages: &[Vec<FaceId>]) -> Result<Certificate, MetricsError> {
+    pub(crate) fn certificate(&mut self, pages: &[Vec<FaceId>]) -> Result<Certificate, MetricsError> {
         let mut whole: Option<Certificate> = None;
         for faces in pages.iter().map(|faces| sorted(faces)) {
             let (part, map, vertices) = self.parts.of(&faces);
@@ -35,8 +36,25 @@ impl<'a> Judge<'a> {
         certify_stored(&part, &map, self.precision)
     }
 
+    /// The charts that were valid or injective, and are so no longer as they are stored. `whole` is what is proved of all.
+    pub(crate) fn spoilt(
+        &mut self,
+        charts: &[UnwrappedChart],
+        whole: &Certificate,
+    ) -> Result<Vec<usize>, MetricsError> {
+        let mut spoilt = Vec::new();
+        for (i, chart) in charts.iter().enumerate().filter(|_| !whole.injective()) {
+            let before = &chart.metrics;
+            let stored = self.certificate_of(&chart.faces)?;
+            if (before.valid() && !stored.valid()) || (before.injective() && !stored.injective()) {
+                spoilt.push(i);
+            }
+        }
+        Ok(spoilt)
+    }
+
     /// The distortion of some faces in the proportions of a page of `sides` texels, with what is proved of them.
-    pub(super) fn metrics(
+    pub(crate) fn metrics(
         &mut self,
         faces: &[FaceId],
         certificate: Certificate,

@@ -1,6 +1,6 @@
 //! From charts to an atlas: packed by their shape, at one scale, with a margin.
 
-mod judge;
+pub(crate) mod judge;
 mod outline;
 mod repack;
 
@@ -146,7 +146,7 @@ pub struct Placement {
     pub turn: [f64; 2],
     /// The lower left corner of its box after that, in units of the mesh.
     pub low: Point2<f64>,
-    /// Where this corner is put, in texels.
+    /// Where this corner is put: in texels of its page, and in units of the mesh in a [`Pattern`](crate::Pattern).
     pub texel: [f64; 2],
 }
 
@@ -192,7 +192,7 @@ impl Atlas {
     /// [`AtlasPages::PerMaterial`] only. `stored` says what the format that the UVs are for makes of a point, in the
     /// precision that they are certified in.
     ///
-    /// A chart that is valid before, and would not be after turning and rounding, is not turned.
+    /// A chart that is valid or injective before, and would not be after turning and rounding, is not turned.
     ///
     /// # Errors
     /// [`AtlasError`].
@@ -225,15 +225,8 @@ impl Atlas {
                 faces_of[placement.page].extend_from_slice(&chart.faces);
             }
             let certificate = judge.certificate(&faces_of)?;
-            let mut spoilt = Vec::new();
-            if !certificate.valid() {
-                for (i, chart) in unwrapped.charts.iter().enumerate() {
-                    let may_be = !pieces[i].keeps_its_angle && chart.metrics.valid();
-                    if may_be && !judge.certificate_of(&chart.faces)?.valid() {
-                        spoilt.push(i);
-                    }
-                }
-            }
+            let mut spoilt = judge.spoilt(&unwrapped.charts, &certificate)?;
+            spoilt.retain(|&i| !pieces[i].keeps_its_angle);
             if spoilt.is_empty() {
                 let metrics = judge.metrics(&faces_of.concat(), certificate, self.page)?;
                 let coverage = metrics.uv_area / (pages as f64 * self.aspect());
@@ -332,7 +325,8 @@ impl Atlas {
     }
 }
 
-fn outline_of(chart: &UnwrappedChart) -> Vec<Vec<Vec<[f64; 2]>>> {
+/// The polygons that a chart covers.
+pub(crate) fn outline_of(chart: &UnwrappedChart) -> Vec<Vec<Vec<[f64; 2]>>> {
     let triangles = chart.uv.corners().as_chunks::<3>().0.iter().copied();
     let place = |id: UvId| {
         let p = chart.uv.points()[id.index()];
