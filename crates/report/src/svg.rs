@@ -93,7 +93,7 @@ pub struct SvgStyle {
     pub mesh_edges: bool,
     /// Whether seams and flipped triangles are marked, in the layer `marks`.
     pub marks: bool,
-    /// Digits after the point; with 3, millimetres are exact to a micrometre.
+    /// Digits after the point; with 8, lengths are exact to a millionth of a millimetre.
     pub decimals: usize,
 }
 
@@ -106,7 +106,7 @@ impl Default for SvgStyle {
             line_width_mm: 0.1,
             mesh_edges: true,
             marks: true,
-            decimals: 4,
+            decimals: 8,
         }
     }
 }

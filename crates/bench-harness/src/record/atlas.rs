@@ -21,13 +21,18 @@ pub(crate) struct Atlas {
     pub(crate) charts: Vec<Charted>,
     /// How many unit squares they are in.
     pub(crate) pages: usize,
-    /// Texels of a page along x and y.
-    pub(crate) page: [u32; 2],
-    /// Texels between charts.
-    pub(crate) margin: u32,
-    /// Texels per unit of the mesh, the same in all charts.
-    #[serde(with = "figure")]
-    pub(crate) texels_per_unit: f64,
+    /// Texels of a page along x and y; nothing on a sheet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) page: Option<[u32; 2]>,
+    /// Texels between charts; nothing on a sheet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) margin: Option<u32>,
+    /// Texels per unit of the mesh, the same in all charts; nothing on a sheet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) texels_per_unit: Option<f64>,
+    /// Width and height of the sheet, in units of the mesh, if charts lie on one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) sheet: Option<[f64; 2]>,
     /// The part of the pages that charts cover.
     #[serde(with = "figure")]
     pub(crate) coverage: f64,

@@ -2,6 +2,7 @@
 
 use crate::cli::args::SeamsFrom;
 use crate::cli::charts::Charting;
+use crate::cli::sheet::Sheet;
 use crate::record::failure::Failure;
 use crate::record::number::count;
 use crate::record::{Atlas as AtlasRecord, ChartSettings, Charted, Narrow};
@@ -9,15 +10,22 @@ use crate::run::load::Loaded;
 use crate::run::progress::Progress;
 use abf::cut::RepairReport;
 use abf::{
-    AtlasPages, Packed, Pipeline, Placement, Precision, Stored, SurfaceHints, Unwrap, Unwrapped, UnwrappedChart,
+    AtlasPages, Developed, Metrics, Pipeline, Placement, Precision, Stored, SurfaceHints, Unwrap, Unwrapped,
+    UnwrappedChart,
 };
+use abf_mesh::UvMap;
 use abf_mesh::io::stored_uv;
 use std::time::Instant;
 
 /// Charts in an atlas, and what there is to say of them.
 #[derive(Debug)]
 pub(crate) struct Charts {
-    pub(crate) packed: Packed,
+    /// The UVs.
+    pub(crate) uv: UvMap,
+    /// How good they are.
+    pub(crate) metrics: Metrics,
+    /// The charts side by side in units of the mesh, if they are to be drawn.
+    pub(crate) sheet: Option<Developed>,
     pub(crate) record: AtlasRecord,
     /// The ends of every edge that is a seam.
     pub(crate) seams: Vec<[abf_mesh::VertexId; 2]>,
@@ -35,6 +43,7 @@ pub(crate) struct Charts {
 /// Why there are none.
 pub(crate) fn charts(
     charting: &Charting,
+    sheet: Option<&Sheet>,
     loaded: &Loaded,
     pipeline: &Pipeline,
     progress: &mut Progress<'_>,
@@ -60,12 +69,28 @@ pub(crate) fn charts(
     let unwrapped = unwrap.run(mesh, &hints, progress).map_err(|e| Failure::unwrap(&loaded.name, &e, loaded.fanned))?;
     let charts_s = begin.elapsed().as_secs_f64();
     let stored = stored(charting.to_gltf, pipeline.precision);
+    let failed = |error| Failure::atlas(&loaded.name, &error);
     progress.say("packing");
-    let packed = charting.atlas.pack(mesh, &unwrapped, known.materials.as_deref(), stored);
-    let packed = packed.map_err(|error| Failure::atlas(&loaded.name, &error))?;
-    let record = record(&unwrap, charting, &unwrapped, &packed);
+    let laid = sheet.map(|sheet| sheet.pattern.lay_stored(mesh, &unwrapped, stored)).transpose().map_err(failed)?;
+    let drawn = laid.as_ref().filter(|_| sheet.is_some_and(|sheet| sheet.is_drawn)).map(|laid| laid.developed(mesh));
+    let (uv, metrics, record) = match laid.filter(|_| sheet.is_some_and(|sheet| sheet.is_for_uvs)) {
+        Some(laid) => {
+            let coverage = laid.metrics.uv_area / laid.size.iter().product::<f64>();
+            let record = record((&unwrap, charting), &unwrapped, &laid.placements, coverage);
+            (laid.uv, laid.metrics, AtlasRecord { sheet: Some(laid.size), ..record })
+        }
+        None => {
+            let packed = charting.atlas.pack(mesh, &unwrapped, known.materials.as_deref(), stored).map_err(failed)?;
+            let record = record((&unwrap, charting), &unwrapped, &packed.placements, packed.coverage);
+            let (page, margin) = (Some(charting.atlas.page), Some(charting.atlas.margin));
+            let narrow = Narrow::new(&packed.narrow);
+            let texels_per_unit = Some(packed.texels_per_unit);
+            let record = AtlasRecord { pages: packed.pages, page, narrow, margin, texels_per_unit, ..record };
+            (packed.uv, packed.metrics, record)
+        }
+    };
     let (turned, shared) = (unwrapped.turned.len(), unwrapped.shared);
-    Ok(Charts { packed, record, seams: unwrapped.seams, turned, shared, charts_s })
+    Ok(Charts { uv, metrics, sheet: drawn, record, seams: unwrapped.seams, turned, shared, charts_s })
 }
 
 /// What a file makes of UVs, and what is proved of them there.
@@ -77,8 +102,13 @@ pub(crate) fn stored(to_gltf: bool, precision: Precision) -> (Stored, Precision)
     }
 }
 
-fn record(unwrap: &Unwrap, charting: &Charting, unwrapped: &Unwrapped, packed: &Packed) -> AtlasRecord {
-    let atlas = &charting.atlas;
+/// What there is to say of charts on one page.
+fn record(
+    (unwrap, charting): (&Unwrap, &Charting),
+    unwrapped: &Unwrapped,
+    placements: &[Placement],
+    coverage: f64,
+) -> AtlasRecord {
     let repairs: &RepairReport = &unwrapped.repairs;
     let mut said = repairs.sentences();
     if unwrapped.without_area > 0 {
@@ -90,14 +120,15 @@ fn record(unwrap: &Unwrap, charting: &Charting, unwrapped: &Unwrapped, packed: &
     }
     let charted = |(chart, at): (&UnwrappedChart, &Placement)| Charted::new(&unwrap.pipeline, chart, at);
     AtlasRecord {
-        settings: ChartSettings::new(unwrap, atlas),
-        charts: unwrapped.charts.iter().zip(&packed.placements).map(charted).collect(),
-        pages: packed.pages,
-        page: atlas.page,
-        narrow: Narrow::new(&packed.narrow),
-        margin: atlas.margin,
-        texels_per_unit: packed.texels_per_unit,
-        coverage: packed.coverage,
+        settings: ChartSettings::new(unwrap, &charting.atlas),
+        charts: unwrapped.charts.iter().zip(placements).map(charted).collect(),
+        pages: 1,
+        page: None,
+        narrow: Narrow::new(&[]),
+        margin: None,
+        texels_per_unit: None,
+        sheet: None,
+        coverage,
         seam_edges: unwrapped.seams.len(),
         seam_length: unwrapped.seam_length,
         diagonal: unwrapped.diagonal,

@@ -11,6 +11,7 @@ pub(crate) mod write;
 
 use crate::cli::charts::Charting;
 use crate::cli::methods::Method;
+use crate::cli::sheet::Sheet;
 use crate::record::failure::Failure;
 use crate::record::history::History;
 use crate::record::{Kkt, Quality, Record, Run, Size, Stages, Timings};
@@ -20,7 +21,7 @@ use crate::run::load::Loaded;
 use crate::run::progress::Progress;
 use crate::show::advice;
 use abf::constraints::ProblemError;
-use abf::{AngleSolution, FlattenError, Flattening, Termination};
+use abf::{AngleSolution, Developed, FlattenError, Flattening, Termination};
 use abf_mesh::{Topology, TopologyError, TriMesh, UvMap, VertexId};
 use std::time::Instant;
 
@@ -33,6 +34,8 @@ pub(crate) struct Flattened {
     pub(crate) uv: Option<UvMap>,
     /// The edges it was cut along, if it was.
     pub(crate) seams: Vec<[VertexId; 2]>,
+    /// Its charts side by side in units of the mesh, if they are to be drawn.
+    pub(crate) sheet: Option<Developed>,
     /// Every iteration, if there was a solver.
     pub(crate) history: Option<History>,
     /// Whether no other solver can do better, because the mesh itself cannot be flattened.
@@ -41,8 +44,19 @@ pub(crate) struct Flattened {
 
 impl From<Record> for Flattened {
     fn from(record: Record) -> Self {
-        Self { record, uv: None, seams: Vec::new(), history: None, mesh_is_unusable: false }
+        Self { record, uv: None, seams: Vec::new(), sheet: None, history: None, mesh_is_unusable: false }
     }
+}
+
+/// What a run is to come to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Wanted<'a> {
+    /// How to make charts; without it only disks are flattened.
+    pub(crate) charting: Option<&'a Charting>,
+    /// How they lie on a sheet, if they do.
+    pub(crate) sheet: Option<&'a Sheet>,
+    /// Whether inner iterations are collected.
+    pub(crate) with_curves: bool,
 }
 
 /// The bits that runs of the same settings have in common.
@@ -52,15 +66,9 @@ pub(crate) struct Fingerprint {
     termination: Termination,
 }
 
-/// Flattens and judges a mesh. Whatever goes wrong is in the record. `with_curves` says whether inner
-/// iterations are collected; without `charting` only disks are flattened.
-pub(crate) fn flatten(
-    loaded: &Loaded,
-    method: &Method,
-    charting: Option<&Charting>,
-    with_curves: bool,
-    cancel: &Cancel,
-) -> Flattened {
+/// Flattens and judges a mesh. Whatever goes wrong is in the record.
+pub(crate) fn flatten(loaded: &Loaded, method: &Method, wanted: &Wanted<'_>, cancel: &Cancel) -> Flattened {
+    let &Wanted { charting, sheet, with_curves } = wanted;
     let solver = method.pipeline.solver.name().to_owned();
     let mut record = Record { solver: Some(solver.clone()), ..loaded.record() };
     if let Some(not_run) = method.not_run(loaded.mesh()) {
@@ -74,7 +82,7 @@ pub(crate) fn flatten(
     let heap = loaded.watch_memory();
     let begin = Instant::now();
     if let Some(charting) = charting.filter(|charting| charting.is_for(loaded.is_gltf())) {
-        return in_charts(loaded, method, charting, cancel, record);
+        return in_charts(loaded, method, (charting, sheet), cancel, record);
     }
     let mut progress = watch(loaded, method, cancel).with_curves(with_curves);
     let mesh = loaded.mesh();
@@ -82,7 +90,7 @@ pub(crate) fn flatten(
     let flat = match (rayon::scope(|_| method.pipeline.run(mesh, &mut progress)), charting) {
         (Ok(flat), _) => flat,
         (Err(error), Some(charting)) if is_no_disk(&error) => {
-            return in_charts(loaded, method, charting, cancel, record);
+            return in_charts(loaded, method, (charting, sheet), cancel, record);
         }
         (Err(error), _) => return refused(loaded, record, &error),
     };
@@ -98,6 +106,20 @@ pub(crate) fn flatten(
     match flat.metrics(loaded.mesh()) {
         Ok(metrics) => record.quality = Some(Quality::new(&metrics)),
         Err(error) => record.error = Some(Failure::metrics(&loaded.name, &error)),
+    }
+    let laid = sheet.map(|sheet| (sheet, sheet.pattern.lay_disk(loaded.mesh(), &flat)));
+    let mut drawn = None;
+    let mut uv = flat.uv;
+    match laid {
+        None => {}
+        Some((_, Err(error))) => record.error = Some(Failure::atlas(&loaded.name, &error)),
+        Some((sheet, Ok(laid))) => {
+            drawn = sheet.is_drawn.then(|| laid.developed(loaded.mesh()));
+            if sheet.is_for_uvs {
+                record.quality = Some(Quality::new(&laid.metrics));
+                uv = laid.uv;
+            }
+        }
     }
     let metrics = judging.elapsed().as_secs_f64();
     let total = loaded.read_s + begin.elapsed().as_secs_f64();
@@ -119,7 +141,7 @@ pub(crate) fn flatten(
     let is_last = flat.rungs.last().is_none_or(|rung| rung.solver == flat.solver);
     let curves = if is_last { progress.take_curves() } else { Vec::new() };
     let history = History::new(&loaded.name, solver, iterations, curves);
-    Flattened { record, uv: Some(flat.uv), seams: Vec::new(), history: Some(history), mesh_is_unusable: false }
+    Flattened { record, uv: Some(uv), seams: Vec::new(), sheet: drawn, history: Some(history), mesh_is_unusable: false }
 }
 
 /// Whether cutting may help.
@@ -139,13 +161,19 @@ fn is_no_disk(error: &FlattenError) -> bool {
 }
 
 /// Makes charts and an atlas of a mesh.
-fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Cancel, mut record: Record) -> Flattened {
+fn in_charts(
+    loaded: &Loaded,
+    method: &Method,
+    (charting, sheet): (&Charting, Option<&Sheet>),
+    cancel: &Cancel,
+    mut record: Record,
+) -> Flattened {
     let heap = loaded.watch_memory();
     let begin = Instant::now();
     let mut progress = watch(loaded, method, cancel);
-    let made = rayon::scope(|_| charts(charting, loaded, &method.pipeline, &mut progress));
+    let made = rayon::scope(|_| charts(charting, sheet, loaded, &method.pipeline, &mut progress));
     progress.end_stages();
-    let Charts { packed, record: atlas, seams, turned, shared, charts_s } = match made {
+    let Charts { uv, metrics, sheet, record: atlas, seams, turned, shared, charts_s } = match made {
         Ok(charts) => charts,
         Err(failure) => {
             let mesh_is_unusable = failure.kind.is_of_the_mesh();
@@ -158,7 +186,7 @@ fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Can
     record.notes.extend(atlas.repairs.iter().cloned());
     record.run = Run::of_charts(&method.pipeline, atlas.charts.iter().map(|chart| &chart.solved));
     record.atlas = Some(atlas);
-    record.quality = Some(Quality::of_repaired(&packed.metrics, turned, shared));
+    record.quality = Some(Quality::of_repaired(&metrics, turned, shared));
     record.timings_s = Some(Timings {
         read: loaded.read_s,
         stages: Stages { flatten: charts_s, flatten_cpu: None, ..progress.stages() },
@@ -169,7 +197,7 @@ fn in_charts(loaded: &Loaded, method: &Method, charting: &Charting, cancel: &Can
     });
     record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
     record.hint = advice::next_for_charts(&record);
-    Flattened { uv: Some(packed.uv), seams, ..record.into() }
+    Flattened { uv: Some(uv), seams, sheet, ..record.into() }
 }
 
 /// Flattens a mesh that has been flattened before, for the time it takes.

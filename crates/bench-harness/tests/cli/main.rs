@@ -14,6 +14,7 @@ mod models;
 mod names;
 mod packing;
 mod refusals;
+mod sheet;
 mod solvers;
 mod support;
 mod surfaces;

@@ -3,6 +3,7 @@
 mod charts;
 mod method;
 mod packing;
+mod sheet;
 
 use abf::{SolverKind, Weld};
 use abf_mesh::io::MeshFormat;
@@ -13,6 +14,7 @@ use clap::{Parser, Subcommand, value_parser};
 use method::MOST_THREADS;
 pub(crate) use method::{MethodArgs, SolverChoice, names};
 pub(crate) use packing::{Margin, PackArgs, PackingArgs, PageSize};
+pub(crate) use sheet::{ModelUnit, SheetArgs};
 use std::path::PathBuf;
 
 /// The names of the commands besides flattening.
@@ -122,6 +124,9 @@ pub(crate) struct FlattenArgs {
     /// How it becomes charts.
     #[command(flatten)]
     pub(crate) charts: ChartArgs,
+    /// How it lies on a sheet.
+    #[command(flatten)]
+    pub(crate) sheet: SheetArgs,
     #[arg(short, long, value_name = "FILE", help_heading = "Outputs", help = output_help())]
     pub(crate) output: Option<PathBuf>,
     /// Write the results as JSON; with - to stdout, and the table goes to stderr
@@ -133,7 +138,7 @@ pub(crate) struct FlattenArgs {
     /// Draw the checkered surface next to its layout
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]
     pub(crate) png: Option<PathBuf>,
-    /// Draw the layout in millimetres (one per unit of the mesh), outline and edges in layers of their own
+    /// Draw all charts side by side in millimetres (--unit says what a unit of the mesh is), outline and edges in layers
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]
     pub(crate) svg: Option<PathBuf>,
 }

@@ -4,7 +4,7 @@ use crate::cli::methods::Method;
 use crate::record::{Repeats, Spread, Stages};
 use crate::run::cancel::Cancel;
 use crate::run::load::Loaded;
-use crate::run::{Flattened, flatten, flatten_again};
+use crate::run::{Flattened, Wanted, flatten, flatten_again};
 
 /// How often.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +27,7 @@ pub(super) fn repeated(loaded: &Loaded, method: &Method, runs: Runs, cancel: &Ca
             }
         }
     }
-    let mut first = flatten(loaded, method, None, runs.with_curves, cancel);
+    let mut first = flatten(loaded, method, &Wanted { with_curves: runs.with_curves, ..Wanted::default() }, cancel);
     if first.record.error.is_some() || first.record.is_cancelled() {
         return first;
     }

@@ -14,7 +14,7 @@ use crate::run::{self, Flattened};
 use crate::show::show;
 use crate::show::{advice, console, files, table};
 pub(crate) use settings::Settings;
-use write::write_files;
+use write::{Made, write_files};
 
 /// Flattens every mesh asked for.
 pub(crate) fn flatten(settings: &Settings) -> Outcome {
@@ -71,7 +71,7 @@ fn with_all(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     let mut records = Vec::new();
     for method in &settings.methods {
         let Flattened { mut record, history, mesh_is_unusable, .. } =
-            run::flatten(&loaded, method, settings.charting.if_allowed(), settings.history.is_some(), cancel);
+            run::flatten(&loaded, method, &settings.wanted(), cancel);
         settings.typed.fit(&mut record);
         if let (true, Some(failure)) = (mesh_is_unusable, &record.error) {
             console::failure(failure);
@@ -89,10 +89,11 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
     let mut record = match Loaded::read(source, settings.max_memory(), cancel) {
         Ok(loaded) => {
             let method = &settings.methods[0];
-            let Flattened { mut record, uv, seams, history, .. } =
-                run::flatten(&loaded, method, settings.charting.if_allowed(), settings.history.is_some(), cancel);
+            let Flattened { mut record, uv, seams, sheet, history, .. } =
+                run::flatten(&loaded, method, &settings.wanted(), cancel);
             if let Some(uv) = uv.filter(|_| record.error.is_none()) {
-                record.error = write_files(settings, &loaded, &uv, &seams, cancel, &mut record).err();
+                let made = Made { uv: &uv, seams: &seams, sheet: sheet.as_ref() };
+                record.error = write_files(settings, &loaded, &made, cancel, &mut record).err();
             }
             runs.extend(history);
             record

@@ -4,8 +4,10 @@ use crate::cli::args::FlattenArgs;
 use crate::cli::charts::Charting;
 use crate::cli::methods::{Method, methods};
 use crate::cli::mistyped::check_is_no_command;
+use crate::cli::sheet::Sheet;
 use crate::cli::targets::{JsonTarget, check_distinct, check_extension, check_is_for_one, check_one_stdout};
 use crate::cli::typed::Typed;
+use crate::run::Wanted;
 use crate::run::source::Source;
 use abf_mesh::io::MeshFormat;
 use std::path::{Path, PathBuf};
@@ -19,6 +21,8 @@ pub(crate) struct Settings {
     pub(crate) methods: Vec<Method>,
     /// How to make charts.
     pub(crate) charting: Charting,
+    /// How charts lie on a sheet, if they do.
+    pub(crate) sheet: Option<Sheet>,
     /// Where the mesh goes.
     pub(crate) output: Option<PathBuf>,
     /// Where the picture goes.
@@ -46,6 +50,7 @@ impl Settings {
             meshes => meshes.iter().cloned().map(Source::File).collect(),
         };
         let (output, png, svg) = (args.output, args.png, args.svg);
+        let sheet = Sheet::new(&args.sheet, &args.charts, args.method.normalize, svg.is_some())?;
         let charting = Charting::new(args.charts, &args.meshes, output.as_deref())?;
         let (history, json) = (JsonTarget::new(args.history), JsonTarget::new(args.json));
         let (seam_lines, remap) = (&charting.seam_lines, &charting.remap);
@@ -77,7 +82,7 @@ impl Settings {
             }
         }
         args.meshes.iter().try_for_each(|mesh| check_is_no_command(mesh))?;
-        Ok(Self { sources, methods, charting, output, png, svg, json, history, typed })
+        Ok(Self { sources, methods, charting, sheet, output, png, svg, json, history, typed })
     }
 
     /// The files that will be written.
@@ -85,6 +90,11 @@ impl Settings {
         let [json, history] = [&self.json, &self.history].map(|target| target.as_ref().and_then(JsonTarget::file));
         let (seams, remap) = (self.charting.seam_lines.as_deref(), self.charting.remap.as_deref());
         [self.output.as_deref(), self.png.as_deref(), self.svg.as_deref(), json, history, seams, remap]
+    }
+
+    /// What a run is to come to.
+    pub(crate) fn wanted(&self) -> Wanted<'_> {
+        Wanted { charting: self.charting.if_allowed(), sheet: self.sheet.as_ref(), with_curves: self.history.is_some() }
     }
 
     /// How much memory each may take.

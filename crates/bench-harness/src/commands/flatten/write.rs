@@ -8,19 +8,29 @@ use crate::run::cancel::Cancel;
 use crate::run::load::Loaded;
 use crate::run::write::write;
 use crate::show::{console, files};
+use abf::Developed;
 use abf_mesh::{TriMesh, UvMap, VertexId};
 use abf_report::svg::{SvgStyle, layout_svg};
 use abf_report::{PictureError, PictureStyle, picture_unless};
 use std::path::Path;
 use std::time::Instant;
 
+/// What a flattening came to.
+pub(super) struct Made<'a> {
+    /// The UVs.
+    pub(super) uv: &'a UvMap,
+    /// The edges it was cut along.
+    pub(super) seams: &'a [[VertexId; 2]],
+    /// Its charts side by side, if they are to be drawn.
+    pub(super) sheet: Option<&'a Developed>,
+}
+
 /// Writes the mesh and the pictures. One file that cannot be written does not keep the others from
 /// being tried; the last failure is returned, those before it are shown.
 pub(super) fn write_files(
     settings: &Settings,
     loaded: &Loaded,
-    uv: &UvMap,
-    seams: &[[VertexId; 2]],
+    &Made { uv, seams, sheet }: &Made<'_>,
     cancel: &Cancel,
     record: &mut Record,
 ) -> Result<(), Failure> {
@@ -45,7 +55,9 @@ pub(super) fn write_files(
     let pages = record.atlas.as_ref().map_or(1, |atlas| atlas.pages);
     let one_page = |path: &Path| if pages == 1 { Ok(()) } else { Err(Failure::several_pages(path, pages)) };
     let png = settings.png.as_deref().map(|path| (path, one_page(path).and_then(|()| draw(path, mesh, uv, cancel))));
-    let svg = settings.svg.as_deref().map(|path| (path, one_page(path).and_then(|()| draw_layout(path, mesh, uv))));
+    let mm_per_uv = settings.sheet.map_or(1.0, |sheet| sheet.mm_per_unit(loaded.is_gltf()));
+    let svg = settings.svg.as_deref().zip(sheet);
+    let svg = svg.map(|(path, sheet)| (path, draw_sheet(path, sheet, mm_per_uv)));
     let lines = charting.seam_lines.as_deref();
     let lines = lines.map(|path| (path, files::replace(path, seam_lines(mesh, seams).as_bytes())));
     let remap = charting.remap.as_deref().zip(remap);
@@ -70,7 +82,8 @@ fn draw(path: &Path, mesh: &TriMesh, uv: &UvMap, cancel: &Cancel) -> Result<(), 
     files::replace(path, &png)
 }
 
-fn draw_layout(path: &Path, mesh: &TriMesh, uv: &UvMap) -> Result<(), Failure> {
-    let svg = layout_svg(mesh, uv, &SvgStyle::default()).map_err(|error| Failure::picture(path, &error))?;
+fn draw_sheet(path: &Path, sheet: &Developed, mm_per_uv: f64) -> Result<(), Failure> {
+    let style = SvgStyle { mm_per_uv, ..SvgStyle::default() };
+    let svg = layout_svg(&sheet.mesh, &sheet.uv, &style).map_err(|error| Failure::picture(path, &error))?;
     files::replace(path, svg.as_bytes())
 }

@@ -143,6 +143,7 @@ fn flatten(path: &Path, survey: &Survey, budget: &Budget, cancel: &Cancel) -> Re
 fn within(budget: &Budget, source: &Source, survey: &Survey, cancel: &Cancel) -> Result<Record, Failure> {
     let pipeline = &survey.method.pipeline;
     let (limit, to_read) = (pipeline.max_memory, source.memory_to_read());
+    let wanted = run::Wanted { charting: survey.charting.as_ref(), ..run::Wanted::default() };
     let mut share = budget.wait_for(to_read);
     let mut loaded = Loaded::read(source, limit, cancel)?;
     let predicted =
@@ -154,7 +155,7 @@ fn within(budget: &Budget, source: &Source, survey: &Survey, cancel: &Cancel) ->
         drop(share);
         let _share = budget.wait_for(needed);
         loaded = Loaded::read_quietly(source, limit, cancel)?;
-        return Ok(run::flatten(&loaded, &survey.method, survey.charting.as_ref(), false, cancel).record);
+        return Ok(run::flatten(&loaded, &survey.method, &wanted, cancel).record);
     }
-    Ok(run::flatten(&loaded, &survey.method, survey.charting.as_ref(), false, cancel).record)
+    Ok(run::flatten(&loaded, &survey.method, &wanted, cancel).record)
 }

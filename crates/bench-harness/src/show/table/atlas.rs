@@ -7,6 +7,9 @@ use std::collections::BTreeMap;
 /// Sizes matter, not digits.
 const DIGITS: usize = 3;
 
+/// But for the size of a sheet, which is to be compared with a stock size.
+const SIZE_DIGITS: usize = 6;
+
 /// A line for each matter.
 pub(super) fn lines(solver: &str, atlas: &Atlas) -> Vec<(&'static str, String)> {
     let mut lines = vec![("solver", solver_line(solver, atlas))];
@@ -15,18 +18,7 @@ pub(super) fn lines(solver: &str, atlas: &Atlas) -> Vec<(&'static str, String)> 
     }
     lines.push(("charts", charts_line(atlas)));
     lines.push(("seams", seams_line(atlas)));
-    let texels = significant(atlas.texels_per_unit, DIGITS);
-    lines.push((
-        "atlas",
-        format!(
-            "{}, {}% covered, {texels} texels per unit at {} × {}, margin {}",
-            count(atlas.pages, "page", "pages"),
-            (100.0 * atlas.coverage).round(),
-            atlas.page[0],
-            atlas.page[1],
-            atlas.margin
-        ),
-    ));
+    lines.push(place_line(atlas));
     lines.extend(narrow_line(&atlas.narrow, ["chart", "charts"]).map(|line| ("narrow", line)));
     lines
 }
@@ -62,6 +54,20 @@ fn narrow_line(narrow: &Narrow, [one, several]: [&str; 2]) -> Option<String> {
         count(*places, "place", "places"),
         count(*charts, one, several)
     ))
+}
+
+fn place_line(atlas: &Atlas) -> (&'static str, String) {
+    let covered = format!("{}% covered", (100.0 * atlas.coverage).round());
+    if let Some(size) = atlas.sheet {
+        let [width, height] = size.map(|x| significant(x, SIZE_DIGITS));
+        return ("sheet", format!("{width} × {height} units of the mesh, {covered}"));
+    }
+    let mut parts = vec![count(atlas.pages, "page", "pages"), covered];
+    if let (Some(texels), Some([width, height])) = (atlas.texels_per_unit, atlas.page) {
+        parts.push(format!("{} texels per unit at {width} × {height}", significant(texels, DIGITS)));
+    }
+    parts.extend(atlas.margin.map(|margin| format!("margin {margin}")));
+    ("atlas", parts.join(", "))
 }
 
 fn solver_line(solver: &str, atlas: &Atlas) -> String {
