@@ -335,9 +335,9 @@ mod tests {
 
     #[test]
     fn what_is_developed_leaves_out_dropped_faces_and_turns_what_was_turned() {
-        // A square whose second face is turned around and whose first one is there twice.
+        // A square whose second face is turned around, and a face that uses a vertex twice.
         let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from);
-        let mesh = TriMesh::new(points.to_vec(), &[[0, 1, 2], [0, 3, 2], [0, 1, 2]]).expect("indices in range");
+        let mesh = TriMesh::new(points.to_vec(), &[[0, 1, 2], [0, 3, 2], [0, 1, 1]]).expect("indices in range");
         let unwrapped = Unwrap::default().run(&mesh, &SurfaceHints::default(), &mut Silent).expect("charts");
         let laid = Pattern::default().lay(&mesh, &unwrapped).expect("a layout");
         let developed = laid.developed(&mesh);

@@ -14,8 +14,13 @@ pub(crate) struct Edges {
     pub(crate) open: Vec<CornerId>,
     /// Those of the open edges that are none on the surface.
     pub(crate) seams: Vec<CornerId>,
-    /// Edges between two faces of the layout, named once.
-    pub(crate) joined: Vec<CornerId>,
+    /// For each of the seams the places of its ends, the lower one first.
+    pub(crate) seam_ends: Vec<[u32; 2]>,
+    /// Edges between two faces of the layout, with their corners in both.
+    pub(crate) joined: Vec<[CornerId; 2]>,
+    /// The places on the boundary of the surface, ascending.
+    pub(crate) rims: Vec<u32>,
+    place: Vec<u32>,
 }
 
 impl Edges {
@@ -35,19 +40,37 @@ impl Edges {
         let mut all: Vec<([u32; 2], CornerId)> =
             (0..3 * mesh.face_count()).map(CornerId::new).map(|c| (ends(c), c)).collect();
         all.sort_unstable();
-        let mut edges = Self { open: Vec::new(), seams: Vec::new(), joined: Vec::new() };
+        let (mut open, mut seams, mut joined, mut rims) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for same in all.chunk_by(|(a, _), (b, _)| a == b) {
-            match same {
-                [(_, c), (_, d)] if agree(*c, *d) => edges.joined.push(*c),
-                [(_, only)] => edges.open.push(*only),
-                several => several.iter().for_each(|&(_, c)| {
-                    edges.open.push(c);
-                    edges.seams.push(c);
-                }),
+            let (ends, _) = same[0];
+            let mut left: Vec<CornerId> = same.iter().map(|&(_, c)| c).collect();
+            // Of several faces at an edge, two that agree are joined.
+            while let Some(c) = (!left.is_empty()).then(|| left.remove(0)) {
+                match left.iter().position(|&d| agree(c, d)) {
+                    Some(other) => joined.push([c, left.remove(other)]),
+                    None => {
+                        open.push(c);
+                        if same.len() > 1 {
+                            seams.push((c, ends));
+                        } else {
+                            rims.extend(ends);
+                        }
+                    }
+                }
             }
         }
-        [&mut edges.open, &mut edges.seams, &mut edges.joined].into_iter().for_each(|list| list.sort_unstable());
-        edges
+        open.sort_unstable();
+        seams.sort_unstable();
+        joined.sort_unstable();
+        rims.sort_unstable();
+        rims.dedup();
+        let (seams, seam_ends) = seams.into_iter().unzip();
+        Self { open, seams, seam_ends, joined, rims, place }
+    }
+
+    /// The lowest vertex in the place where an edge begins.
+    pub(crate) fn place_of(&self, mesh: &TriMesh, c: CornerId) -> u32 {
+        self.place[mesh.faces()[c.face().index()][c.place()].index()]
     }
 }
 
@@ -88,7 +111,8 @@ mod tests {
 
     /// The open edges, the seams and the joined edges of a layout of the square.
     fn edges(uv: &UvMap) -> [Vec<usize>; 3] {
-        let Edges { open, seams, joined } = Edges::of(&square(), uv);
+        let Edges { open, seams, joined, .. } = Edges::of(&square(), uv);
+        let joined = joined.into_iter().map(|[c, _]| c).collect();
         [open, seams, joined].map(|list| list.into_iter().map(CornerId::index).collect())
     }
 
@@ -101,7 +125,8 @@ mod tests {
     fn vertices_repeated_for_every_face_do_not_change_the_outline() {
         let corners: Vec<Point3<f64>> = square().triangles().flatten().collect();
         let soup = TriMesh::new(corners, &[[0, 1, 2], [3, 4, 5]]).expect("indices in range");
-        assert_eq!(Edges::of(&soup, &unwelded(0.0)), Edges::of(&square(), &unwelded(0.0)));
+        let (one, other) = (Edges::of(&soup, &unwelded(0.0)), Edges::of(&square(), &unwelded(0.0)));
+        assert_eq!((one.open, one.seams, one.joined), (other.open, other.seams, other.joined));
     }
 
     #[test]

@@ -1,12 +1,16 @@
 //! The layout in real units, as SVG: for cutters, plotters and drawing programs.
 //!
-//! A file has up to three layers, in this order: `mesh` (edges within, to engrave or to leave out),
-//! `cut` (where the layout ends, joined to loops so that a tool need not lift), and `marks` (seams
-//! and flipped triangles, for the eye only). A seam is in `cut` on both of its sides, because the
+//! A file has up to seven layers, in this order: `mesh` (edges within, to engrave or to leave out), `mountain` and `valley`
+//! (folds), `cut` (where the layout ends, joined to loops so that a tool need not lift), `marks` (seams and flipped
+//! triangles, for the eye only), `numbers` (the same number at both sides of a seam) and `scale` (a bar).
+//! A seam is in `cut` on both of its sides, because the
 //! material ends there; `marks` only says which of the cuts are seams. Inkscape shows the groups
 //! as layers.
 
+mod folds;
 mod loops;
+mod scale;
+mod seams;
 
 use std::fmt::Write;
 use std::str::FromStr;
@@ -17,6 +21,7 @@ use abf_metrics::{FaceDistortion, Orientation, per_face};
 use crate::PictureError;
 use crate::outline::Edges;
 use crate::panel::bounds;
+use folds::Folds;
 use loops::{Chain, chains};
 
 /// Millimetres in an inch.
@@ -93,6 +98,11 @@ pub struct SvgStyle {
     pub mesh_edges: bool,
     /// Whether seams and flipped triangles are marked, in the layer `marks`.
     pub marks: bool,
+    /// Whether a bar of a known length is drawn below the layout, in the layer `scale`.
+    pub scale_bar: bool,
+    /// Edges where the surface turns by at least so much, rad, are folds, in the layers `mountain`, where the front of the sheet is
+    /// outside, and `valley`, where it is inside. Without it there are none.
+    pub folds: Option<f64>,
     /// Digits after the point; with 8, lengths are exact to a millionth of a millimetre.
     pub decimals: usize,
 }
@@ -106,6 +116,8 @@ impl Default for SvgStyle {
             line_width_mm: 0.1,
             mesh_edges: true,
             marks: true,
+            scale_bar: false,
+            folds: None,
             decimals: 8,
         }
     }
@@ -138,13 +150,20 @@ pub fn layout_svg(mesh: &TriMesh, uv: &UvMap, style: &SvgStyle) -> Result<String
     let edges = Edges::of(mesh, uv);
     let mut out = sheet.head();
     if style.mesh_edges && !edges.joined.is_empty() {
-        let lines = sheet.lines(&edges.joined);
-        sheet.layer(&mut out, "mesh", "none", "#2f6fb0", &[("edges", lines)]);
+        let lines = sheet.lines(&edges.joined.iter().map(|&[c, _]| c).collect::<Vec<_>>());
+        sheet.layer(&mut out, "mesh", r##"fill="none" stroke="#2f6fb0""##, &[("edges", lines)]);
+    }
+    if let Some(angle) = style.folds {
+        sheet.folds(&mut out, &Folds::of(mesh, &edges.joined, angle));
     }
     let cut = sheet.chains(&chains(uv, &edges.open));
-    sheet.layer(&mut out, "cut", "none", "#d4001a", &[("outline", cut)]);
+    sheet.layer(&mut out, "cut", r##"fill="none" stroke="#d4001a""##, &[("outline", cut)]);
     if style.marks {
         sheet.marks(&mut out, &edges.seams, &faces);
+        sheet.numbers(&mut out, &seams::marks(mesh, uv, &edges));
+    }
+    if style.scale_bar {
+        sheet.scale_bar(&mut out);
     }
     out.push_str("</svg>\n");
     Ok(out)
@@ -197,7 +216,9 @@ impl<'a> Sheet<'a> {
     fn head(&self) -> String {
         let margins = 2.0 * self.in_unit(self.style.margin_mm);
         let [width, height] =
-            [self.high.x - self.low.x, self.high.y - self.low.y].map(|side| self.number(margins + self.scale * side));
+            [self.high.x - self.low.x, self.high.y - self.low.y].map(|side| margins + self.scale * side);
+        let strip = if self.style.scale_bar { self.in_unit(scale::STRIP_MM) } else { 0.0 };
+        let [width, height] = [width, height + strip].map(|side| self.number(side));
         let unit = self.style.unit.suffix();
         format!(
             concat!(
@@ -211,12 +232,12 @@ impl<'a> Sheet<'a> {
     }
 
     /// Writes a layer of named paths.
-    fn layer(&self, out: &mut String, name: &str, fill: &str, stroke: &str, paths: &[(&str, String)]) {
+    fn layer(&self, out: &mut String, name: &str, look: &str, paths: &[(&str, String)]) {
         let width = self.number(self.in_unit(self.style.line_width_mm).max(0.1_f64.powi(self.style.decimals as i32)));
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,
-            "<g id=\"{name}\" inkscape:groupmode=\"layer\" inkscape:label=\"{name}\" fill=\"{fill}\" stroke=\"{stroke}\" \
+            "<g id=\"{name}\" inkscape:groupmode=\"layer\" inkscape:label=\"{name}\" {look} \
              stroke-width=\"{width}\" stroke-linejoin=\"round\" stroke-linecap=\"round\">"
         );
         for (id, data) in paths {
@@ -236,7 +257,18 @@ impl<'a> Sheet<'a> {
             paths.push(("seams", self.lines(seams)));
         }
         if !paths.is_empty() {
-            self.layer(out, "marks", "#f5a300", "#7a4bc2", &paths);
+            self.layer(out, "marks", r##"fill="#f5a300" stroke="#7a4bc2""##, &paths);
+        }
+    }
+
+    /// Writes folds: mountains dashed and dotted, valleys dashed.
+    fn folds(&self, out: &mut String, folds: &Folds) {
+        let kinds =
+            [("mountain", &folds.mountains, &[3.0, 1.0, 0.5, 1.0][..]), ("valley", &folds.valleys, &[2.0, 1.0][..])];
+        for (name, edges, dash) in kinds.into_iter().filter(|(_, edges, _)| !edges.is_empty()) {
+            let dash: Vec<String> = dash.iter().map(|&mm| self.number(self.in_unit(mm))).collect();
+            let look = format!(r##"fill="none" stroke="#1f8a4c" stroke-dasharray="{}""##, dash.join(" "));
+            self.layer(out, name, &look, &[(&format!("{name}-folds"), self.lines(edges))]);
         }
     }
 

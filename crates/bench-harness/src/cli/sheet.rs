@@ -14,6 +14,8 @@ pub(crate) struct Sheet {
     pub(crate) is_for_uvs: bool,
     /// Whether the sheet is drawn.
     pub(crate) is_drawn: bool,
+    /// The least angle of a fold that is drawn, rad.
+    pub(crate) folds: Option<f64>,
     /// What one unit of the mesh is, if that was said.
     unit: Option<ModelUnit>,
 }
@@ -34,6 +36,9 @@ impl Sheet {
         if args.unit.is_some() && !is_drawn {
             return conflict("--unit says how large a drawing is: add --svg FILE, or leave it out".to_owned());
         }
+        if args.folds.is_some() && !is_drawn {
+            return conflict("--folds concerns a drawing: add --svg FILE, or leave it out".to_owned());
+        }
         if !is_for_uvs && !is_drawn {
             for (option, is_given) in [("--orient", args.orient.is_some()), ("--gap", args.gap.is_some())] {
                 if is_given {
@@ -51,8 +56,12 @@ impl Sheet {
         if let Some(gap) = args.gap.filter(|gap| !(*gap >= 0.0 && gap.is_finite())) {
             return Err(usage(ErrorKind::ValueValidation, format!("--gap must be at least 0, got {gap}")));
         }
+        if let Some(angle) = args.folds.filter(|a| !(0.0..=180.0).contains(a)) {
+            let message = format!("--folds must be in 0..=180 degrees, got {angle}");
+            return Err(usage(ErrorKind::ValueValidation, message));
+        }
         let pattern = Pattern { orient: args.orient.unwrap_or(Orient::Tight), gap: args.gap };
-        Ok(Some(Self { pattern, is_for_uvs, is_drawn, unit: args.unit }))
+        Ok(Some(Self { pattern, is_for_uvs, is_drawn, folds: args.folds.map(f64::to_radians), unit: args.unit }))
     }
 
     /// What one unit of the mesh is, in millimetres.

@@ -117,8 +117,8 @@ fn assert_near(found: &[f64], expected: &[f64]) {
 fn half_a_tube_is_drawn_as_long_and_as_wide_as_it_is() {
     let tube = half_tube();
     let drawing = drawn(&tube, "");
-    // A chord of 1 degree, 180 times; and 5 mm of border around.
-    assert_near(&drawing.size, &[1010.0, 180.0 * 100.0 * (PI / 360.0).sin() + 10.0]);
+    // A chord of 1 degree, 180 times; 5 mm of border around, and 10 mm below for the scale.
+    assert_near(&drawing.size, &[1010.0, 180.0 * 100.0 * (PI / 360.0).sin() + 20.0]);
     assert_near(&drawing.lengths(), &boundary(&tube));
 }
 
@@ -127,7 +127,7 @@ fn a_plate_with_a_hole_is_drawn_in_its_lengths() {
     let plate = plate();
     let drawing = drawn(&plate, "");
     assert_eq!(drawing.loops.len(), 2);
-    assert_near(&drawing.size, &[210.0, 210.0]);
+    assert_near(&drawing.size, &[210.0, 220.0]);
     assert_near(&drawing.lengths(), &boundary(&plate));
 }
 
@@ -163,6 +163,8 @@ fn options_of_sheets_that_do_not_fit_are_refused() {
     let missing = Path::new("missing.obj");
     for (options, expected) in [
         ("--unit cm", "--unit says how large a drawing is: add --svg FILE, or leave it out"),
+        ("--folds", "--folds concerns a drawing: add --svg FILE, or leave it out"),
+        ("--units real --folds=190 --svg a.svg", "--folds must be in 0..=180 degrees, got 190"),
         ("--orient keep", "--orient concerns a sheet: add --units real or --svg FILE"),
         ("--units real --normalize", "--units real and --normalize are two scales: leave out one of them"),
         ("--units real --margin 4", "--margin concerns the unit square: leave it out, or --units real"),
@@ -171,4 +173,28 @@ fn options_of_sheets_that_do_not_fit_are_refused() {
         let ran = run_on(options, &[missing]);
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{options}: {}", ran.stderr);
     }
+}
+
+#[test]
+fn a_box_has_folds_at_its_edges_and_every_seam_has_its_number_twice() {
+    let folder = Folder::new();
+    let corner = |i: usize| [i & 1, i >> 1 & 1, i >> 2].map(|x| 30.0 * x as f64);
+    let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let faces: Vec<[usize; 3]> = squares.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let points: Vec<[f64; 3]> = (0..8).map(corner).collect();
+    let (mesh, svg) = (folder.file("a.obj", surfaces::obj(&points, &faces)), folder.path("a.svg"));
+    let ran = run_on(&format!("--svg {} --folds", svg.display()), &[&mesh]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let text = std::fs::read_to_string(&svg).expect("written");
+    let document = roxmltree::Document::parse(&text).expect("XML");
+    let layer = |id| document.descendants().find(|node| node.attribute("id") == Some(id));
+    let folds = layer("mountain-folds").and_then(|path| path.attribute("d")).expect("folds");
+    assert_eq!((folds.matches('M').count(), layer("valley")), (5, None), "{folds}");
+    let numbers = layer("numbers").expect("a layer");
+    let mut numbers: Vec<&str> =
+        numbers.children().filter_map(|node| node.text()).map(str::trim).filter(|t| !t.is_empty()).collect();
+    numbers.sort_unstable();
+    assert_eq!(numbers, ["1", "1", "2", "2", "3", "3", "4", "4", "5", "5", "6", "6", "7", "7"]);
+    let scale = layer("scale").expect("a layer");
+    assert_eq!(scale.children().find_map(|node| node.text().filter(|t| t.ends_with("mm"))), Some("50 mm"));
 }

@@ -126,3 +126,63 @@ fn rejects_lengths_out_of_range_and_the_map_of_another_mesh() {
     let error = PictureError::Input(MetricsError::CornerCount { corners: 3, faces: 2 });
     assert_eq!(layout_svg(&mesh, &other, &bare()), Err(error));
 }
+
+/// Two squares that meet at an edge on the y axis, the right one bent down by 45 degrees.
+fn roof() -> (TriMesh, UvMap) {
+    let flat = [[-1.0, 0.0], [0.0, 0.0], [1.0, 0.0], [-1.0, 1.0], [0.0, 1.0], [1.0, 1.0]].map(Point2::from);
+    let half = 0.5_f64.sqrt();
+    let positions = flat.map(|p| if p.x > 0.0 { Point3::new(half, p.y, -half) } else { Point3::new(p.x, p.y, 0.0) });
+    let faces = [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]];
+    let mesh = TriMesh::new(positions.to_vec(), &faces).expect("indices in range");
+    let uv = UvMap::per_vertex(&mesh, &flat);
+    (mesh, uv)
+}
+
+#[test]
+fn a_convex_edge_is_a_mountain_and_the_same_edge_bent_up_a_valley() {
+    let (mesh, uv) = roof();
+    let style = |deg: f64| SvgStyle { folds: Some(deg.to_radians()), ..bare() };
+    let svg = drawn(&mesh, &uv, &style(44.0));
+    assert!(svg.contains(r#"<path id="mountain-folds" d="M1 1L1 0"/>"#) && !svg.contains("valley"), "{svg}");
+    assert!(!drawn(&mesh, &uv, &style(46.0)).contains("folds"));
+    let up = mesh.positions().iter().map(|p| Point3::new(p.x, p.y, -p.z)).collect();
+    let faces: Vec<[usize; 3]> = mesh.faces().iter().map(|f| f.map(abf_mesh::VertexId::index)).collect();
+    let bent_up = TriMesh::new(up, &faces).expect("indices in range");
+    let svg = drawn(&bent_up, &uv, &style(44.0));
+    assert!(svg.contains(r#"id="valley-folds""#) && !svg.contains("mountain"), "{svg}");
+}
+
+#[test]
+fn a_seam_has_one_number_at_one_point_of_the_surface_on_both_sides() {
+    let (mesh, uv) = square();
+    let apart = uv.triangles().enumerate().flat_map(|(f, t)| t.map(|p| Point2::new(p.x, p.y + 3.0 * f as f64)));
+    let uv = UvMap::new(apart.collect(), (0..6).map(UvId::new).collect());
+    let marks = seams::marks(&mesh, &uv, &Edges::of(&mesh, &uv));
+    let found: Vec<(usize, [f64; 2])> = marks.iter().map(|mark| (mark.number, [mark.at.x, mark.at.y])).collect();
+    assert_eq!(found, [(1, [1.0, 0.5]), (1, [1.0, 3.5])]);
+    // Into the lower right triangle, and into the upper left one.
+    assert!(marks[0].inward.x > 0.0 && marks[0].inward.y < 0.0 && marks[1].inward.x < 0.0);
+    assert!((marks[0].length - 5.0_f64.sqrt()).abs() < 1e-12);
+}
+
+#[test]
+fn a_bar_of_a_round_length_stands_below_the_layout() {
+    let (mesh, uv) = square();
+    let svg = drawn(&mesh, &uv, &SvgStyle { scale_bar: true, mm_per_uv: 157.0, ..SvgStyle::default() });
+    assert!(svg.contains(r#"width="324mm" height="177mm""#), "{svg}");
+    assert!(svg.contains(r#"<path id="bar" d="M5 169L5 171L105 171L105 169"/>"#) && svg.contains(">100 mm<"), "{svg}");
+}
+
+#[test]
+fn of_several_faces_at_an_edge_two_that_agree_are_joined() {
+    let (square, flat) = square();
+    // A third face stands on the diagonal, somewhere else in the plane.
+    let mut positions = square.positions().to_vec();
+    positions.push(Point3::new(1.0, 0.5, 1.0));
+    let mesh = TriMesh::new(positions, &[[0, 1, 2], [0, 2, 3], [0, 2, 4]]).expect("indices in range");
+    let mut points = flat.points().to_vec();
+    points.extend([[9.0, 0.0], [11.0, 1.0], [9.0, 1.0]].map(Point2::from));
+    let corners = [0, 1, 2, 0, 2, 3, 4, 5, 6].map(UvId::new);
+    let edges = Edges::of(&mesh, &UvMap::new(points, corners.to_vec()));
+    assert_eq!((edges.joined.len(), edges.seams.len(), edges.open.len()), (1, 1, 7));
+}

@@ -55,9 +55,14 @@ pub(super) fn write_files(
     let pages = record.atlas.as_ref().map_or(1, |atlas| atlas.pages);
     let one_page = |path: &Path| if pages == 1 { Ok(()) } else { Err(Failure::several_pages(path, pages)) };
     let png = settings.png.as_deref().map(|path| (path, one_page(path).and_then(|()| draw(path, mesh, uv, cancel))));
-    let mm_per_uv = settings.sheet.map_or(1.0, |sheet| sheet.mm_per_unit(loaded.is_gltf()));
+    let style = settings.sheet.map(|sheet| SvgStyle {
+        mm_per_uv: sheet.mm_per_unit(loaded.is_gltf()),
+        folds: sheet.folds,
+        scale_bar: true,
+        ..SvgStyle::default()
+    });
     let svg = settings.svg.as_deref().zip(sheet);
-    let svg = svg.map(|(path, sheet)| (path, draw_sheet(path, sheet, mm_per_uv)));
+    let svg = svg.map(|(path, sheet)| (path, draw_sheet(path, sheet, &style.clone().unwrap_or_default())));
     let lines = charting.seam_lines.as_deref();
     let lines = lines.map(|path| (path, files::replace(path, seam_lines(mesh, seams).as_bytes())));
     let remap = charting.remap.as_deref().zip(remap);
@@ -82,8 +87,7 @@ fn draw(path: &Path, mesh: &TriMesh, uv: &UvMap, cancel: &Cancel) -> Result<(), 
     files::replace(path, &png)
 }
 
-fn draw_sheet(path: &Path, sheet: &Developed, mm_per_uv: f64) -> Result<(), Failure> {
-    let style = SvgStyle { mm_per_uv, ..SvgStyle::default() };
-    let svg = layout_svg(&sheet.mesh, &sheet.uv, &style).map_err(|error| Failure::picture(path, &error))?;
+fn draw_sheet(path: &Path, sheet: &Developed, style: &SvgStyle) -> Result<(), Failure> {
+    let svg = layout_svg(&sheet.mesh, &sheet.uv, style).map_err(|error| Failure::picture(path, &error))?;
     files::replace(path, svg.as_bytes())
 }
