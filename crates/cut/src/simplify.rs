@@ -46,19 +46,25 @@ pub fn simplify_asking(
     let mut heap = BinaryHeap::with_capacity(mesh.vertex_count());
     for v in 0..mesh.vertex_count() {
         at_block(v, checkpoint)?;
-        heap.extend(work.candidate(v).map(Reverse));
+        work.offer(v, &mut heap);
     }
     let mut steps = 0;
     while work.face_count > faces {
         steps += 1;
         at_block(steps, checkpoint)?;
         let Some(Reverse((_, v, version, onto))) = heap.pop() else { break };
-        if work.version[v] != version || !work.is_allowed(v, onto) {
-            continue;
-        }
-        for w in work.collapse(v, onto) {
-            work.version[w] += 1;
-            heap.extend(work.candidate(w).map(Reverse));
+        if work.version[v] != version {
+            // Around it something has changed since: what it costs now is found out only here.
+            work.offer(v, &mut heap);
+        } else if work.is_allowed(v, onto) {
+            for w in work.collapse(v, onto) {
+                work.version[w] += 1;
+                if !work.is_offered[w] {
+                    work.offer(w, &mut heap);
+                }
+            }
+        } else {
+            work.is_offered[v] = false;
         }
     }
     checkpoint()?;
@@ -107,6 +113,8 @@ struct Collapse<'m> {
     quadrics: Vec<Quadric>,
     areas: Vec<f64>,
     version: Vec<u32>,
+    /// Whether the heap holds a candidate of a vertex, however old.
+    is_offered: Vec<bool>,
     face_count: usize,
 }
 
@@ -131,7 +139,19 @@ impl<'m> Collapse<'m> {
         let is_free = topology.vertices().map(|v| topology.is_interior(v)).collect();
         let face_count = faces.len();
         let is_there = vec![true; face_count];
-        Self { mesh, middle, faces, is_there, at_vertex, is_free, quadrics, areas, version: vec![0; n], face_count }
+        Self {
+            mesh,
+            middle,
+            faces,
+            is_there,
+            at_vertex,
+            is_free,
+            quadrics,
+            areas,
+            version: vec![0; n],
+            is_offered: vec![false; n],
+            face_count,
+        }
     }
 
     fn around(&self, v: usize) -> impl Iterator<Item = [usize; 3]> + '_ {
@@ -144,6 +164,13 @@ impl<'m> Collapse<'m> {
         all.sort_unstable();
         all.dedup();
         all
+    }
+
+    /// Puts the cheapest collapse of a vertex into the heap, if there is one.
+    fn offer(&mut self, v: usize, heap: &mut BinaryHeap<Reverse<Candidate>>) {
+        let candidate = self.candidate(v);
+        self.is_offered[v] = candidate.is_some();
+        heap.extend(candidate.map(Reverse));
     }
 
     /// The cheapest collapse of a vertex that its faces allow.

@@ -72,8 +72,17 @@ impl<'o> Component<'_, 'o> {
             SeamRule::Keep => None,
         };
         self.go_on()?;
-        let seams = hard.map_or_else(|| Seams::none(topology), |hard| hard.seams);
-        Ok(split(mesh, topology, &seams)?)
+        match hard {
+            Some(hard) => Ok(split(mesh, topology, &hard.seams)?),
+            None => Ok(vec![self.whole()]),
+        }
+    }
+
+    /// All of the component as one piece.
+    fn whole(&self) -> Chart {
+        let Chart { mesh, topology, .. } = self.part;
+        let (faces, vertices) = (topology.faces().collect(), topology.vertices().collect());
+        Chart { mesh: mesh.clone(), topology: topology.clone(), faces, vertices }
     }
 
     /// Whether an edge of the component may not be a seam, seen from either side.

@@ -82,6 +82,7 @@ pub(super) fn finish(
     let faces: Vec<FaceId> = (0..real).map(FaceId::new).collect();
     let (uv, metrics) = if real == chart.mesh.face_count() {
         let metrics = measure_certified(&chart.mesh, &flat.uv, flat.certificate)?;
+        checkpoint()?;
         (flat.uv, metrics)
     } else {
         excerpt(&chart.mesh, &flat.uv, &flat.certificate, &faces, flat.layout.scaled, checkpoint)?

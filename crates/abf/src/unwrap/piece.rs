@@ -154,8 +154,9 @@ impl Component<'_, '_> {
             self.go_on()?;
             let real = surface.real;
             let vertices = surface.mesh.vertex_count();
-            // Where the seams are nearly known, the first rung is tried at once: it may be the last flattening.
-            let first_rung = if scouted.is_empty() { None } else { self.first_rung(&chart)? };
+            // Where the seams have just been scouted, the first rung is tried at once: it may be the last flattening.
+            let is_scouted = round == 1 + scouted.len() && !scouted.is_empty();
+            let first_rung = if is_scouted { self.first_rung(&chart)? } else { None };
             let known = first_rung.map(|flat| (flat.uv.clone(), flat));
             let (quick, first_rung) = match known {
                 Some((uv, flat)) => (Ok(uv), Some(flat)),

@@ -35,7 +35,7 @@ impl Facets {
         let mut layout = vec![Point2::origin(); topology.corner_count()];
         let mut sizes = Vec::new();
         checkpoint()?;
-        for (i, seed) in by_area(mesh, &normals, diagonal).into_iter().enumerate() {
+        for (i, seed) in by_area(mesh, &normals, diagonal, checkpoint)?.into_iter().enumerate() {
             at_block(i, checkpoint)?;
             if of_face[seed.index()] != NONE {
                 continue;
@@ -76,20 +76,30 @@ pub(super) fn normals(mesh: &TriMesh) -> Vec<Vector3<f64>> {
 }
 
 /// Faces from the largest to the smallest; those of one area, to rounding, by where they are.
-fn by_area(mesh: &TriMesh, normals: &[Vector3<f64>], diagonal: f64) -> Vec<FaceId> {
+fn by_area(
+    mesh: &TriMesh,
+    normals: &[Vector3<f64>],
+    diagonal: f64,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Vec<FaceId>, Cancelled> {
     let area = |f: usize| {
         let [a, b, c] = mesh.triangle(FaceId::new(f));
         (b - a).cross(&(c - a)).norm() / (diagonal * diagonal)
     };
     let key = |f: usize| (normals[f] == Vector3::zeros(), -quantised(area(f)));
-    let mut order: Vec<(bool, i64, FaceId)> = (0..mesh.face_count())
-        .map(|f| {
-            let (is_degenerate, size) = key(f);
-            (is_degenerate, size, FaceId::new(f))
-        })
-        .collect();
-    order.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then_with(|| compare_places(mesh, a.2, b.2)).then(a.2.cmp(&b.2)));
-    order.into_iter().map(|(.., f)| f).collect()
+    let mut order: Vec<((bool, i64), FaceId)> = (0..mesh.face_count()).map(|f| (key(f), FaceId::new(f))).collect();
+    checkpoint()?;
+    order.sort_unstable();
+    let mut done = 0;
+    for same in order.chunk_by_mut(|a, b| a.0 == b.0) {
+        at_block(done, checkpoint)?;
+        done += 1;
+        if same.len() > 1 {
+            // Their lowest corners first: those are found once for each face.
+            same.sort_by_cached_key(|&(_, f)| (Lowest(lowest(mesh, f)), f));
+        }
+    }
+    Ok(order.into_iter().map(|(_, f)| f).collect())
 }
 
 /// A length or an area as a part of the whole, without the digits in which the order of summation shows.
@@ -97,14 +107,29 @@ pub(super) fn quantised(part: f64) -> i64 {
     (part * 1e9).round() as i64
 }
 
-fn compare_places(mesh: &TriMesh, one: FaceId, other: FaceId) -> Ordering {
-    let lowest = |f: FaceId| {
-        let mut points = mesh.triangle(f).map(|p| [p.x, p.y, p.z]);
-        points.sort_by(compare);
-        points
-    };
-    let (a, b) = (lowest(one), lowest(other));
-    a.iter().zip(&b).map(|(p, q)| compare(p, q)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+/// The corners of a face, the lowest first.
+fn lowest(mesh: &TriMesh, f: FaceId) -> [[f64; 3]; 3] {
+    let mut points = mesh.triangle(f).map(|p| [p.x, p.y, p.z]);
+    points.sort_by(compare);
+    points
+}
+
+/// Points in the order of their coordinates.
+#[derive(PartialEq)]
+struct Lowest([[f64; 3]; 3]);
+
+impl Eq for Lowest {}
+
+impl PartialOrd for Lowest {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Lowest {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.iter().zip(&other.0).map(|(p, q)| compare(p, q)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+    }
 }
 
 /// Compares points coordinate by coordinate.
