@@ -90,10 +90,8 @@ fn by_area(
     let mut order: Vec<((bool, i64), FaceId)> = (0..mesh.face_count()).map(|f| (key(f), FaceId::new(f))).collect();
     checkpoint()?;
     order.sort_unstable();
-    let mut done = 0;
-    for same in order.chunk_by_mut(|a, b| a.0 == b.0) {
-        at_block(done, checkpoint)?;
-        done += 1;
+    for (i, same) in order.chunk_by_mut(|a, b| a.0 == b.0).enumerate() {
+        at_block(i, checkpoint)?;
         if same.len() > 1 {
             // Their lowest corners first: those are found once for each face.
             same.sort_by_cached_key(|&(_, f)| (Lowest(lowest(mesh, f)), f));
