@@ -1,7 +1,7 @@
 //! UVs that a mesh has, judged as a run of [`Unwrap`](crate::Unwrap) judges what it makes.
 
 use crate::atlas::{Parts, in_input};
-use abf_cut::{DoubleSided, RepairError, Repaired, Weld, repair_with, weld};
+use abf_cut::{DoubleSided, RepairError, Repaired, Weld, repair_with, weld_within};
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap, VertexId};
 use abf_metrics::{Metrics, MetricsError, Precision, certify_stored, measure_certified};
 use std::collections::HashMap;
@@ -32,17 +32,30 @@ pub enum JudgeError {
     Metrics(#[from] MetricsError),
 }
 
-/// Judges the UVs of a mesh after the repair that [`Unwrap`](crate::Unwrap) makes, with the same rule for vertices in one place.
-/// `precision` is what the UVs are stored in.
+/// How a mesh is repaired before its UVs are judged, and what these are stored in. The default is that of
+/// [`Unwrap`](crate::Unwrap), and doubles.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct JudgeSettings<'a> {
+    /// Which vertices in one place are joined.
+    pub weld: Weld,
+    /// [`SurfaceHints::objects`](crate::SurfaceHints::objects).
+    pub objects: Option<&'a [u32]>,
+    /// What the UVs are stored in.
+    pub precision: Precision,
+}
+
+/// Judges the UVs of a mesh after the repair that [`Unwrap`](crate::Unwrap) makes.
 ///
 /// What [`Atlas::pack`](crate::Atlas::pack) says of one page is what this says of it, in the numbers of the mesh.
 ///
 /// # Errors
 /// [`JudgeError`].
-pub fn judge(mesh: &TriMesh, uv: &UvMap, rule: Weld, precision: Precision) -> Result<Judgement, JudgeError> {
+pub fn judge(mesh: &TriMesh, uv: &UvMap, settings: &JudgeSettings<'_>) -> Result<Judgement, JudgeError> {
+    let JudgeSettings { weld: rule, objects, precision } = *settings;
+    let objects = objects.filter(|objects| objects.len() == mesh.face_count());
     let in_range = mesh.in_range();
     let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
-    let welded = weld(working, rule.scaled(scale));
+    let welded = weld_within(working, rule.scaled(scale), objects);
     let joined = welded.as_ref().map_or(working, |welded| &welded.mesh);
     let repaired = repair_with(joined, DoubleSided::Own)?;
     let is_shared = sharing(joined, uv, &repaired);
@@ -121,7 +134,7 @@ mod tests {
             let unwrapped = unwrap.run(&mesh, &SurfaceHints::default(), &mut Silent).expect("charts");
             let stored: (crate::Stored, Precision) = (|p| p, Precision::Double);
             let packed = Atlas::default().pack(&mesh, &unwrapped, None, stored).expect("an atlas");
-            let of_file = judge(&mesh, &packed.uv, Weld::Auto, Precision::Double).expect("a judgement");
+            let of_file = judge(&mesh, &packed.uv, &JudgeSettings::default()).expect("a judgement");
             assert_eq!(of_file.metrics, packed.metrics, "{double_sided}");
             assert!(of_file.metrics.injective());
             assert_eq!((of_file.turned, of_file.shared, of_file.metrics.triangles), (1, shared, judged));
@@ -135,7 +148,7 @@ mod tests {
         let mesh = TriMesh::new([points, points].concat(), &[[0, 1, 2], [3, 4, 5]]).expect("indices in range");
         let flat: Vec<Point2<f64>> = mesh.positions().iter().map(|p| Point2::new(p.x, p.y)).collect();
         let uv = UvMap::per_vertex(&mesh, &flat);
-        let judged = judge(&mesh, &uv, Weld::Auto, Precision::Double).expect("a judgement");
+        let judged = judge(&mesh, &uv, &JudgeSettings::default()).expect("a judgement");
         assert_eq!(judged.shared, 0);
         assert!(!judged.metrics.injective());
     }

@@ -59,7 +59,7 @@ pub use arrays::{ArrayError, ArrayUnwrapper, UnwrappedArrays};
 pub use atlas::{Atlas, AtlasError, AtlasPages, NarrowPlace, Packed, Placement, Repack, Repacked, Stored};
 pub use error::FlattenError;
 pub use flattening::{Flattening, LayoutReport, RungReport};
-pub use judge::{JudgeError, Judgement, judge};
+pub use judge::{JudgeError, JudgeSettings, Judgement, judge};
 pub use pattern::{Developed, Laid, Orient, Pattern};
 pub use precision_limits::PrecisionLimits;
 pub use run::flatten;

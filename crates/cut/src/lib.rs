@@ -50,4 +50,4 @@ pub use part::{two_parts, two_parts_asking};
 pub use repair::{DoubleSided, RepairError, RepairReport, Repaired, repair, repair_with};
 pub use seams::Seams;
 pub use simplify::{Simplified, simplify, simplify_asking};
-pub use weld::{Weld, Welded, weld};
+pub use weld::{Weld, Welded, weld, weld_within};

@@ -56,6 +56,13 @@ pub struct Welded {
 /// Takes time `O(n log n)` where no more than a few vertices are within a tolerance of each other.
 #[must_use]
 pub fn weld(mesh: &TriMesh, rule: Weld) -> Option<Welded> {
+    weld_within(mesh, rule, None)
+}
+
+/// The same within objects: vertices of faces with different labels are not joined. There is a label for every face.
+#[must_use]
+pub fn weld_within(mesh: &TriMesh, rule: Weld, objects: Option<&[u32]>) -> Option<Welded> {
+    let object = |edge: Edge| objects.map_or(0, |objects| objects[edge.face]);
     if rule == Weld::Off || (rule == Weld::Auto && is_disk(mesh)) {
         return None;
     }
@@ -66,9 +73,9 @@ pub fn weld(mesh: &TriMesh, rule: Weld) -> Option<Welded> {
     let places = Places::find(mesh, &edges, &tolerances(mesh, rule));
     let mut joined = DisjointSets::new(mesh.vertex_count());
     let mut by_place: Vec<([usize; 2], Edge)> = edges.iter().map(|&edge| places.along(edge)).collect();
-    by_place.sort_by_key(|&(ends, edge)| (ends, edge.face));
+    by_place.sort_by_key(|&(ends, edge)| (ends, object(edge), edge.face));
     let tip_place = |edge: Edge| mesh.positions()[edge.tip.index()];
-    for group in by_place.chunk_by(|a, b| a.0 == b.0) {
+    for group in by_place.chunk_by(|a, b| a.0 == b.0 && object(a.1) == object(b.1)) {
         // The two sides of a card meet all around, and stay two.
         let is_card = matches!(group, [(_, a), (_, b)] if tip_place(*a) == tip_place(*b));
         if group.len() < 2 || group[0].0[0] == group[0].0[1] || is_card {
@@ -296,6 +303,15 @@ mod tests {
         assert_eq!(weld(&mesh(&touching, &[[0, 1, 2], [3, 4, 5]]), Weld::Auto), None);
         let card: Vec<[f64; 3]> = points.into_iter().chain(points).collect();
         assert_eq!(weld(&mesh(&card, &[[0, 1, 2], [5, 4, 3]]), Weld::Auto), None);
+    }
+
+    #[test]
+    fn edges_of_different_objects_are_not_joined() {
+        let points =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]];
+        let two = mesh(&points, &[[0, 1, 2], [4, 3, 5]]);
+        assert_eq!(weld_within(&two, Weld::Auto, Some(&[3, 3])).map(|w| w.joined.count), Some(2));
+        assert_eq!(weld_within(&two, Weld::Auto, Some(&[3, 4])), None);
     }
 
     #[test]

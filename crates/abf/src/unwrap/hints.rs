@@ -10,6 +10,8 @@ pub struct SurfaceHints<'a> {
     pub uv: Option<&'a UvMap>,
     /// A label for every face, group or material, at whose borders the same rule puts seams.
     pub face_labels: Option<&'a [u32]>,
+    /// A label for every face: vertices in one place are joined within one object only, as within one mesh of a scene.
+    pub objects: Option<&'a [u32]>,
     /// For every corner whether the edge that it faces may not be a seam, as the diagonals of polygons.
     pub forbidden: Option<&'a [bool]>,
 }
@@ -19,6 +21,7 @@ impl SurfaceHints<'_> {
         let (faces, corners) = (mesh.face_count(), 3 * mesh.face_count());
         let lengths = [
             ("corners with UVs", self.uv.map(|uv| uv.corners().len()), corners),
+            ("objects", self.objects.map(<[u32]>::len), faces),
             ("face labels", self.face_labels.map(<[u32]>::len), faces),
             ("corners that face forbidden edges", self.forbidden.map(<[bool]>::len), corners),
         ];

@@ -17,7 +17,7 @@ use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolveReport, Solve
 use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, UnknownName, ask};
 use abf_cut::{
     Chart, CostSettings, DoubleSided, HoleFilling, RepairReport, Seams, Weld, label_borders, repair_with, split,
-    uv_borders, weld,
+    uv_borders, weld_within,
 };
 use abf_mesh::{CornerId, FaceId, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::Metrics;
@@ -218,7 +218,7 @@ impl Unwrap {
         let in_range = mesh.in_range();
         let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
         ask(observer, Event::Working)?;
-        let welded = weld(working, self.weld.scaled(scale));
+        let welded = weld_within(working, self.weld.scaled(scale), hints.objects);
         ask(observer, Event::Working)?;
         let mut repaired = repair_with(welded.as_ref().map_or(working, |welded| &welded.mesh), self.double_sided)?;
         repaired.report.joined_vertices = welded.as_ref().map(|welded| welded.joined).unwrap_or_default();

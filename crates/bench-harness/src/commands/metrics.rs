@@ -11,8 +11,8 @@ use crate::show::console;
 use crate::show::files;
 use crate::show::show;
 use crate::show::table;
-use abf::{JudgeError, Judgement, MetricsError, Precision, Weld};
-use abf_mesh::io::MeshFormat;
+use abf::{JudgeError, JudgeSettings, Judgement, MetricsError, Precision, Weld};
+use abf_mesh::io::{GltfDocument, MeshFile, MeshFormat};
 use abf_mesh::{Topology, TriMesh, UvMap, io};
 use std::path::Path;
 use std::time::Instant;
@@ -50,7 +50,7 @@ fn judge(path: &Path, args: &MetricsArgs, typed: &Typed) -> Record {
 fn fill(path: &Path, args: &MetricsArgs, record: &mut Record) -> Result<(), Failure> {
     let heap = HeapWatch::start();
     let begin = Instant::now();
-    let file = io::read(path).map_err(|error| Failure::read(&error))?;
+    let (file, objects) = read(path)?;
     let read = begin.elapsed().as_secs_f64();
     record.notes = file.notes.sentences();
     record.notes.iter().for_each(|note| console::note(&record.mesh, note));
@@ -62,7 +62,7 @@ fn fill(path: &Path, args: &MetricsArgs, record: &mut Record) -> Result<(), Fail
     let uv = file.uv.ok_or_else(|| Failure::no_uv(&record.mesh, file.notes.uv_dropped, "judge"))?;
     let (uv, precision) = as_stored(uv, MeshFormat::of_input(path), file.notes.uv_single);
     let repair = (!args.as_stored).then(|| args.weld.unwrap_or_default());
-    let quality = judged(&file.mesh, &uv, precision, repair);
+    let quality = judged((&file.mesh, objects.as_deref()), &uv, precision, repair);
     record.quality = Some(quality.map_err(|error| Failure::metrics(&record.mesh, &error))?);
     if let Some(overlap) = advice::overlap(record) {
         console::note(&record.mesh, &overlap);
@@ -73,6 +73,18 @@ fn fill(path: &Path, args: &MetricsArgs, record: &mut Record) -> Result<(), Fail
     record.timings_s = Some(timings);
     record.peak_memory_bytes = Some(heap.peak_bytes());
     Ok(())
+}
+
+/// A file, and of a glTF the mesh that every face is of. Its meshes are as large as in the scene.
+fn read(path: &Path) -> Result<(MeshFile, Option<Vec<u32>>), Failure> {
+    let failed = |error| Failure::read(&error);
+    if MeshFormat::of_input(path).is_none_or(|format| !format.is_gltf()) || path.is_dir() {
+        return Ok((io::read(path).map_err(failed)?, None));
+    }
+    let surface = GltfDocument::read(path).and_then(|document| document.surface()).map_err(failed)?;
+    let objects = surface.mesh_of_faces();
+    let mesh = surface.sized().unwrap_or(surface.mesh);
+    Ok((MeshFile { mesh, uv: surface.uv, colours: None, notes: surface.notes }, Some(objects)))
 }
 
 /// The UVs as the file stores them, and in what.
@@ -87,8 +99,13 @@ fn as_stored(uv: UvMap, format: Option<MeshFormat>, is_single: bool) -> (UvMap, 
 }
 
 /// The figures of the UVs; of the faces as they are where there is no `repair`, or where it leaves none.
-fn judged(mesh: &TriMesh, uv: &UvMap, precision: Precision, repair: Option<Weld>) -> Result<Quality, MetricsError> {
-    match repair.map(|weld| abf::judge(mesh, uv, weld, precision)) {
+fn judged(
+    (mesh, objects): (&TriMesh, Option<&[u32]>),
+    uv: &UvMap,
+    precision: Precision,
+    repair: Option<Weld>,
+) -> Result<Quality, MetricsError> {
+    match repair.map(|weld| abf::judge(mesh, uv, &JudgeSettings { weld, objects, precision })) {
         Some(Ok(Judgement { metrics, turned, shared, .. })) => Ok(Quality::of_repaired(&metrics, turned, shared)),
         Some(Err(JudgeError::Metrics(error))) => Err(error),
         Some(Err(_)) | None => {

@@ -49,13 +49,14 @@ pub(crate) fn charts(
     progress: &mut Progress<'_>,
 ) -> Result<Charts, Failure> {
     let begin = Instant::now();
-    let mesh = loaded.mesh();
+    let mesh = loaded.sized();
     let known = loaded.known_of_faces(charting.seams == SeamsFrom::File);
     let keeps = charting.seams != SeamsFrom::Auto;
     let hints = SurfaceHints {
         uv: loaded.uv().filter(|_| keeps),
         face_labels: known.labels.as_deref().filter(|_| keeps),
         forbidden: known.forbidden.as_deref(),
+        objects: loaded.objects(),
     };
     // Without materials the packing has more to say.
     let says_more = charting.atlas.pages == AtlasPages::PerMaterial;

@@ -70,6 +70,21 @@ impl Loaded {
         &self.document.file().mesh
     }
 
+    /// The same with every mesh of a glTF as large as in its scene: what areas and stretch are measured on.
+    pub(crate) fn sized(&self) -> &TriMesh {
+        self.gltf().and_then(|gltf| gltf.sized.as_ref()).unwrap_or_else(|| self.mesh())
+    }
+
+    /// The same with every mesh of a glTF where it is in its scene: what pictures show.
+    pub(crate) fn placed(&self) -> &TriMesh {
+        self.gltf().map_or_else(|| self.mesh(), |gltf| &gltf.placed)
+    }
+
+    /// For every face the mesh of a glTF that it is of.
+    pub(crate) fn objects(&self) -> Option<&[u32]> {
+        self.gltf().map(|gltf| gltf.objects.as_slice())
+    }
+
     /// The UVs that the file has.
     pub(crate) fn uv(&self) -> Option<&UvMap> {
         self.document.file().uv.as_ref()

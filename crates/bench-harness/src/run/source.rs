@@ -1,7 +1,8 @@
 //! Where a mesh comes from.
 
 use crate::record::failure::Failure;
-use abf_mesh::io::{GltfDocument, MeshFile, MeshFormat, ObjDocument, ReadNotes, read};
+use abf_mesh::TriMesh;
+use abf_mesh::io::{GltfDocument, GltfSurface, MeshFile, MeshFormat, ObjDocument, ReadNotes, read};
 use abf_shapes::{DEFAULT_FIXTURE, Fixture, fixtures};
 use std::fs;
 use std::path::PathBuf;
@@ -46,9 +47,7 @@ impl Source {
                 Some(format) if format.is_gltf() && !path.is_dir() => {
                     let document = GltfDocument::read(path).map_err(failed)?;
                     let surface = document.surface().map_err(failed)?;
-                    let materials = surface.material_of_faces();
-                    let file = MeshFile { mesh: surface.mesh, uv: surface.uv, colours: None, notes: surface.notes };
-                    Ok(Document::Gltf(Box::new(Gltf { document, file, materials })))
+                    Ok(Document::Gltf(Box::new(Gltf::new(document, surface))))
                 }
                 Some(MeshFormat::Obj) if !path.is_dir() => {
                     let document = ObjDocument::read(path).map_err(failed)?;
@@ -111,6 +110,15 @@ pub(crate) fn holds_more(file: &MeshFile) -> bool {
     has_more || file.uv.is_some()
 }
 
+impl Gltf {
+    fn new(document: GltfDocument, surface: GltfSurface) -> Self {
+        let (materials, objects) = (surface.material_of_faces(), surface.mesh_of_faces());
+        let (sized, placed) = (surface.sized(), surface.placed());
+        let file = MeshFile { mesh: surface.mesh, uv: surface.uv, colours: None, notes: surface.notes };
+        Self { document, file, sized, placed, materials, objects }
+    }
+}
+
 /// A glTF document, to be written with other UVs.
 #[derive(Debug)]
 pub(crate) struct Gltf {
@@ -118,6 +126,12 @@ pub(crate) struct Gltf {
     pub(crate) document: GltfDocument,
     /// Its surface.
     file: MeshFile,
+    /// Its surface with every mesh as large as in the scene, where that is another.
+    pub(crate) sized: Option<TriMesh>,
+    /// Its surface with every mesh where it is in the scene.
+    pub(crate) placed: TriMesh,
+    /// The mesh of every face of its surface.
+    pub(crate) objects: Vec<u32>,
     /// The material of every face of its surface.
     pub(crate) materials: Vec<u32>,
 }

@@ -44,7 +44,8 @@ pub use file::{check_replaceable, replace};
 pub use format::{MeshFormat, UnknownFormat};
 #[cfg(feature = "gltf")]
 pub use gltf::{
-    BufferSource, GltfDocument, GltfPrimitive, GltfRemap, GltfSurface, GltfTexcoords, PrimitiveRemap, stored_uv,
+    BufferSource, GltfDocument, GltfPlace, GltfPrimitive, GltfRemap, GltfSurface, GltfTexcoords, PrimitiveRemap,
+    stored_uv,
 };
 pub use mesh_file::MeshFile;
 pub use notes::{ReadNotes, UvDropped};

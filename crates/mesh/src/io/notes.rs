@@ -35,6 +35,8 @@ pub struct ReadNotes {
     pub uv_single: bool,
     /// Whether the last line is missing (`endsolid` of STL); everything before it is complete.
     pub end_missing: bool,
+    /// What the nodes of a glTF do to the sizes of its meshes, in words.
+    pub scene: Option<String>,
     /// What was not read: keywords of OBJ, properties and elements of PLY and the like, with how
     /// many there were of each.
     pub ignored: BTreeMap<String, usize>,
@@ -89,6 +91,9 @@ impl ReadNotes {
             say(1, format!("UVs left out: {why}"));
         }
         say(usize::from(self.end_missing), "the last line, `endsolid`, is missing".to_owned());
+        if let Some(scene) = &self.scene {
+            say(1, scene.clone());
+        }
         let ignored: Vec<String> = self.ignored.iter().map(|(what, n)| format!("{what} ({n})")).collect();
         say(ignored.len(), format!("not read: {}", ignored.join(", ")));
         let libraries = &self.material_libraries;

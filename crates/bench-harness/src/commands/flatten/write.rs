@@ -54,7 +54,8 @@ pub(super) fn write_files(
     }
     let pages = record.atlas.as_ref().map_or(1, |atlas| atlas.pages);
     let one_page = |path: &Path| if pages == 1 { Ok(()) } else { Err(Failure::several_pages(path, pages)) };
-    let png = settings.png.as_deref().map(|path| (path, one_page(path).and_then(|()| draw(path, mesh, uv, cancel))));
+    let placed = loaded.placed();
+    let png = settings.png.as_deref().map(|path| (path, one_page(path).and_then(|()| draw(path, placed, uv, cancel))));
     let style = settings.sheet.map(|sheet| SvgStyle {
         mm_per_uv: sheet.mm_per_unit(loaded.is_gltf()),
         folds: sheet.folds,

@@ -6,8 +6,8 @@
 //! [`GltfDocument::set_uvs`] adds a set of texture coordinates to them, [`GltfDocument::write`] writes the whole again.
 //!
 //! **Welding.** glTF splits a vertex wherever a normal or a UV differs, so the surface joins the vertices of one mesh
-//! whose positions are equal as numbers. Meshes are not joined with each other. Every mesh is in its own coordinates: what
-//! the nodes do to it is not applied.
+//! whose positions are equal as numbers. Meshes are not joined with each other. Every mesh is in its own coordinates. [`GltfSurface::places`]
+//! says what the nodes do to it: [`GltfSurface::sized`] has every mesh as large as its largest instance in the scene.
 //!
 //! **The v axis.** The origin of a glTF texture is its upper left corner. A [`UvMap`](crate::UvMap) has v upwards, as OBJ
 //! does, so that `v = 1 − t` for the second number `t` of a `TEXCOORD`, both when reading and when writing; a picture of
@@ -27,6 +27,7 @@ mod edit;
 mod json;
 mod plain;
 mod save;
+mod scene;
 mod surface;
 
 use std::fs::File;
@@ -35,6 +36,7 @@ use std::path::{Path, PathBuf};
 
 pub use edit::{GltfRemap, GltfTexcoords, PrimitiveRemap, stored_uv};
 pub(super) use plain::write_plain;
+pub use scene::GltfPlace;
 pub use surface::{GltfPrimitive, GltfSurface};
 
 use self::json::{Item, Object};

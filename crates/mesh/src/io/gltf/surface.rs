@@ -8,6 +8,7 @@ use super::super::{MeshFile, ReadNotes, UvDropped};
 use super::GltfDocument;
 use super::accessor::{Accessor, Component};
 use super::json::Item;
+use super::scene::{GltfPlace, Places};
 use crate::{Point2, Point3, TriMesh, UvId, UvMap, VertexId};
 
 /// What a primitive is made of (section 3.7.2.1).
@@ -50,6 +51,8 @@ pub struct GltfSurface {
     pub primitives: Vec<GltfPrimitive>,
     /// For every primitive its faces, which follow each other.
     pub faces: Vec<Range<usize>>,
+    /// For every primitive where its mesh is in the scene.
+    pub places: Vec<GltfPlace>,
     /// For every corner the vertex of its primitive.
     pub vertices: Vec<u32>,
 }
@@ -59,6 +62,12 @@ impl GltfSurface {
     #[must_use]
     pub fn primitive_of_faces(&self) -> Vec<u32> {
         self.label(|p, _| p)
+    }
+
+    /// For every face its mesh, counted from 0.
+    #[must_use]
+    pub fn mesh_of_faces(&self) -> Vec<u32> {
+        self.label(|_, primitive| primitive.mesh)
     }
 
     /// For every face its material, and 0 for none: material `m` is `m + 1`.
@@ -118,6 +127,8 @@ impl GltfDocument {
         if corners > u32::MAX as usize {
             return Err(ReadError::TooLarge { file: self.file.clone(), what: "corners", count: corners });
         }
+        let Places { of_primitives: places, said } = self.places(&primitives)?;
+        notes.scene = said;
         let welded = Welded::of(&primitives, &mut notes);
         if welded.faces.is_empty() {
             let vertices = primitives.iter().map(|p| p.positions.len()).sum();
@@ -137,13 +148,15 @@ impl GltfDocument {
             uv,
             notes,
             primitives,
+            places,
         })
     }
 
-    /// The document as any other mesh file.
+    /// The document as any other mesh file: every mesh as large as in the scene.
     pub(super) fn into_mesh(self) -> Result<MeshFile, ReadError> {
-        let GltfSurface { mesh, uv, notes, .. } = self.surface()?;
-        Ok(MeshFile { mesh, uv, colours: None, notes })
+        let surface = self.surface()?;
+        let mesh = surface.sized().unwrap_or(surface.mesh);
+        Ok(MeshFile { mesh, uv: surface.uv, colours: None, notes: surface.notes })
     }
 
     /// Finds the primitives of triangles, and takes note of the others.

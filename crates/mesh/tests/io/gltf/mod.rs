@@ -5,6 +5,7 @@ mod builder;
 mod files;
 mod kept;
 mod kinds;
+mod scene;
 
 pub(crate) use kinds::kinds;
 
