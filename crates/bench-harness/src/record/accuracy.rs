@@ -45,6 +45,6 @@ mod tests {
         for text in ["auto", "1e-6"] {
             assert_eq!(text.parse::<InnerAccuracy>().expect("a tolerance").to_string(), text);
         }
-        assert!("tight".parse::<InnerAccuracy>().unwrap_err().contains("'auto'"));
+        assert!("tight".parse::<InnerAccuracy>().unwrap_err().to_string().contains("'auto'"));
     }
 }

@@ -83,21 +83,6 @@ impl ChartArgs {
     }
 }
 
-impl ChartArgs {
-    /// The first option that was given of those that concern pages of texels.
-    pub(crate) fn of_pages(&self) -> Option<&'static str> {
-        let given = [
-            ("--atlas", self.atlas.is_some()),
-            ("--resolution", self.resolution.is_some()),
-            ("--margin", self.margin.is_some()),
-            ("--pack", self.pack.is_some()),
-            ("--max-pages", self.max_pages.is_some()),
-            ("--texels-per-unit", self.texels_per_unit.is_some()),
-        ];
-        given.into_iter().find(|(_, is_given)| *is_given).map(|(option, _)| option)
-    }
-}
-
 /// Where seams come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum SeamsFrom {

@@ -223,7 +223,7 @@ mod tests {
         for text in ["all", "linabf", "uzawa,abf++"] {
             assert_eq!(text.parse::<SolverChoice>().expect("solvers").to_string(), text);
         }
-        assert!("slim".parse::<SolverChoice>().unwrap_err().ends_with("lscm, all"));
+        assert!("slim".parse::<SolverChoice>().unwrap_err().to_string().ends_with("lscm, all"));
         assert_eq!("lscm,lscm".parse::<SolverChoice>(), Err(SolverChoiceError::Twice("lscm".to_owned())));
         assert!("".parse::<SolverChoice>().is_err());
     }
@@ -236,7 +236,7 @@ mod tests {
             assert_eq!(text.parse(), Ok(MemorySize(bytes)), "{text}");
         }
         for text in ["", "G", "0", "-1G", "4GB", "nan", "inf", "4µ"] {
-            assert!(text.parse::<MemorySize>().unwrap_err().contains("such as 500M"), "{text}");
+            assert!(text.parse::<MemorySize>().unwrap_err().to_string().contains("such as 500M"), "{text}");
         }
     }
 }

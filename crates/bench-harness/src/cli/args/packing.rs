@@ -1,7 +1,9 @@
 //! The options of packing: those of flattening and those of `pack`.
 
 use super::method::{MOST_THREADS, one_of};
+use crate::record::misread::Misread;
 use abf::{AtlasPages, Effort};
+use abf_mesh::io::MeshFormat;
 use clap::value_parser;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -41,15 +43,23 @@ pub(crate) struct PackingArgs {
 impl PackingArgs {
     /// Whether any was given.
     pub(super) fn is_given(&self) -> bool {
+        self.first_given().is_some()
+    }
+
+    /// The first option that was given.
+    pub(crate) fn first_given(&self) -> Option<&'static str> {
         let Self { atlas, resolution, page, margin, mip_levels, pack, max_pages, texels_per_unit } = self;
-        atlas.is_some()
-            || resolution.is_some()
-            || page.is_some()
-            || margin.is_some()
-            || mip_levels.is_some()
-            || pack.is_some()
-            || max_pages.is_some()
-            || texels_per_unit.is_some()
+        let given = [
+            ("--atlas", atlas.is_some()),
+            ("--resolution", resolution.is_some()),
+            ("--page", page.is_some()),
+            ("--margin", margin.is_some()),
+            ("--mip-levels", mip_levels.is_some()),
+            ("--pack", pack.is_some()),
+            ("--max-pages", max_pages.is_some()),
+            ("--texels-per-unit", texels_per_unit.is_some()),
+        ];
+        given.into_iter().find(|(_, is_given)| *is_given).map(|(option, _)| option)
     }
 }
 
@@ -63,12 +73,12 @@ pub(crate) enum Margin {
 }
 
 impl FromStr for Margin {
-    type Err = String;
+    type Err = Misread;
 
-    fn from_str(s: &str) -> Result<Self, String> {
+    fn from_str(s: &str) -> Result<Self, Misread> {
         match s {
             "auto" => Ok(Self::Auto),
-            _ => s.parse().map(Self::Texels).map_err(|_| format!("a margin is a number of texels or auto, got '{s}'")),
+            _ => s.parse().map(Self::Texels).map_err(|_| Misread::new("a number of texels or auto", s)),
         }
     }
 }
@@ -78,10 +88,10 @@ impl FromStr for Margin {
 pub(crate) struct PageSize(pub(crate) [u32; 2]);
 
 impl FromStr for PageSize {
-    type Err = String;
+    type Err = Misread;
 
-    fn from_str(s: &str) -> Result<Self, String> {
-        let wrong = || format!("a page is WIDTHxHEIGHT in texels, as 2048x1024, got '{s}'");
+    fn from_str(s: &str) -> Result<Self, Misread> {
+        let wrong = || Misread::new("WIDTHxHEIGHT in texels, as 2048x1024", s);
         let (width, height) = s.split_once(['x', '×']).ok_or_else(wrong)?;
         let side = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
         Ok(Self([side(width)?, side(height)?]))
@@ -91,8 +101,7 @@ impl FromStr for PageSize {
 /// The arguments of `pack`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct PackArgs {
-    /// A file with UVs: obj, off, ply, gltf or glb
-    #[arg(value_name = "MESH")]
+    #[arg(value_name = "MESH", help = format!("A file with UVs: {}", MeshFormat::list(MeshFormat::has_uvs, " or ")))]
     pub(crate) mesh: PathBuf,
     /// Lay islands of one shape upon each other, turned but not mirrored
     #[arg(long, help_heading = CHARTS)]
@@ -100,8 +109,7 @@ pub(crate) struct PackArgs {
     /// How islands are laid out.
     #[command(flatten)]
     pub(crate) packing: PackingArgs,
-    /// Write the mesh with its UVs: obj, ply, glb or gltf; an obj or glTF input is kept as it was but for them
-    #[arg(short, long, value_name = "FILE", help_heading = "Outputs")]
+    #[arg(short, long, value_name = "FILE", help_heading = "Outputs", help = super::output_help())]
     pub(crate) output: Option<PathBuf>,
     /// Write from which vertex of a glTF input every vertex of the output is, as JSON
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]
