@@ -25,12 +25,12 @@ fn a_page_of_another_shape_is_measured_in_texels() {
     let covered = figure(&wide["atlas"], "coverage");
     assert!((figure(&wide, "uv_area") / 0.5 - covered).abs() < 1e-9 && covered > 0.1, "{covered}");
     for (options, part) in [
-        ("--page 2048", "a page is WIDTHxHEIGHT in texels, as 2048x1024, got '2048'"),
+        ("--page 2048", "must be WIDTHxHEIGHT in texels, as 2048x1024, got '2048'"),
         ("--page 0x64", "the sides of --page must be in 1..=65536, got 0x64"),
         ("--page 256x64 --margin 17", "at most a quarter of the shorter side of --page 256x64, got 17"),
         ("--page 64x64 --resolution 64", "cannot be used with"),
         ("--page 4096x16 --margin 0", "page aspect"),
-        ("--margin wide", "a margin is a number of texels or auto, got 'wide'"),
+        ("--margin wide", "must be a number of texels or auto, got 'wide'"),
         ("--margin 3 --mip-levels 2", "--mip-levels 2 sets the margin: leave out --margin 3, or it"),
         ("--mip-levels 8", "--mip-levels 8 needs a margin of 512 texels"),
         ("--mip-levels 99", "--mip-levels 99 needs a margin of 4294967295 texels"),
