@@ -69,6 +69,7 @@ fn in_input(
     let points = finished.uv.points().iter().map(|p| p.map(to_input)).collect();
     UnwrappedChart {
         component,
+        piece: finished.piece,
         faces,
         uv: UvMap::new(points, corners),
         metrics: finished.metrics,

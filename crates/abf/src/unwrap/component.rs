@@ -115,16 +115,17 @@ impl<'o> Component<'_, 'o> {
         match attempt {
             Ok(Attempt::Done(mut charts, pieces)) => {
                 self.end_chart(charts.iter().map(|chart| chart.faces.len()).sum());
+                charts = self.numbered(charts);
                 charts.extend(self.all_of(pieces)?);
                 Ok(charts)
             }
             Ok(Attempt::Interrupted(end, last)) => {
                 self.end_chart(piece.faces.len());
-                self.given_up(piece, end, last.map(|last| *last))
+                self.given_up(piece, end, last.map(|last| *last)).map(|charts| self.numbered(charts))
             }
             Err(FlattenError::Cancelled(_)) if !self.relay.is_aborted() => {
                 self.end_chart(piece.faces.len());
-                self.given_up(piece, Termination::Cancelled, None)
+                self.given_up(piece, Termination::Cancelled, None).map(|charts| self.numbered(charts))
             }
             Err(error) if is_fatal(&error) => Err(error),
             // Nothing to see: its faces are put into one point.
@@ -138,6 +139,11 @@ impl<'o> Component<'_, 'o> {
                 self.all_of(self.in_two(piece)?)
             }
         }
+    }
+
+    /// Charts of the piece that is worked on.
+    fn numbered(&self, charts: Vec<Finished>) -> Vec<Finished> {
+        charts.into_iter().map(|chart| Finished { piece: self.chart, ..chart }).collect()
     }
 
     /// The chart that is worked on is done, with so many faces.

@@ -10,6 +10,8 @@ use abf_solve_core::AngleSolution;
 /// A chart as it comes out, by the faces of its component.
 #[derive(Clone)]
 pub(super) struct Finished {
+    /// The piece of the component that it was flattened as.
+    pub(super) piece: usize,
     /// Its faces, by their numbers in the component, ascending.
     pub(super) faces: Vec<FaceId>,
     /// Corner `k` of its `i`-th face is corner `k` of `faces[i]`.
@@ -51,6 +53,7 @@ impl Finished {
             scaled: true,
         };
         Ok(Self {
+            piece: 0,
             faces,
             uv,
             metrics,
@@ -88,6 +91,7 @@ pub(super) fn finish(
         excerpt(&chart.mesh, &flat.uv, &flat.certificate, &faces, flat.layout.scaled, checkpoint)?
     };
     Ok(Finished {
+        piece: 0,
         faces,
         uv,
         metrics,

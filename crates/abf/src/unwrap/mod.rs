@@ -155,6 +155,9 @@ pub struct Unwrapped {
 pub struct UnwrappedChart {
     /// The component of the repaired mesh it is of.
     pub component: usize,
+    /// The number that its events had as [`Place::chart`](crate::Place::chart): charts that were taken apart after they were
+    /// flattened have the same.
+    pub piece: usize,
     /// Its faces, by their numbers in the input, ascending.
     pub faces: Vec<FaceId>,
     /// Its UVs: corner `3i + k` is corner `k` of the input's face `faces[i]`. The area is that of the surface.

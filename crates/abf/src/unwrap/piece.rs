@@ -275,15 +275,19 @@ impl Component<'_, '_> {
         let settings = &self.settings.pipeline;
         let problem = AngleProblem::new(&chart.topology, chart.mesh.corner_angles(), settings.estimate)?;
         let solver = LinAbf { passes: Passes::Exactly(PASSES) };
+        ask(observer, Event::StageStarted(Stage::Solve))?;
         let named = |source| FlattenError::of_solver(SolverKind::LinAbf, source);
         let solution = solver.solve(&problem, &self.budget.left(), observer).map_err(named)?;
         if solution.termination() == Termination::Cancelled {
             return Err(FlattenError::Cancelled(Cancelled));
         }
-        ask(observer, Event::Working)?;
+        ask(observer, Event::StageStarted(Stage::Layout))?;
         let kind = LayoutSettings { kind: LayoutKind::LeastSquares, ..settings.layout };
         let checkpoint = &mut || ask(observer, Event::Working);
-        Ok(layout_asking(&chart.mesh, &chart.topology, solution.angles(), &kind, checkpoint)?.uv)
+        let uv = layout_asking(&chart.mesh, &chart.topology, solution.angles(), &kind, checkpoint)?.uv;
+        // What follows looks at the map.
+        ask(observer, Event::StageStarted(Stage::Certificate))?;
+        Ok(uv)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::figure::{self, known};
 use super::run::Solved;
 use super::settings::written;
+use super::times::Stages;
 use abf::{NarrowPlace, Pipeline, Placement, Unwrap, UnwrappedChart};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -128,6 +129,9 @@ pub(crate) struct Charted {
     /// The largest difference between an angle of the UVs and the one solved for, rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) layout_error: Option<f64>,
+    /// Where the time of its piece went, every time that was flattened; absent in older documents.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) timings_s: Option<Stages>,
 }
 
 impl Deref for Charted {
@@ -147,7 +151,7 @@ impl Narrow {
 }
 
 impl Charted {
-    pub(crate) fn new(pipeline: &Pipeline, chart: &UnwrappedChart, placement: &Placement) -> Self {
+    pub(crate) fn new(pipeline: &Pipeline, chart: &UnwrappedChart, placement: &Placement, took: Stages) -> Self {
         Self {
             component: chart.component,
             page: placement.page,
@@ -162,6 +166,7 @@ impl Charted {
             rounds: chart.rounds,
             holes_filled: chart.holes_filled,
             layout_error: chart.layout_error.filter(|error| error.is_finite()),
+            timings_s: Some(took),
         }
     }
 }

@@ -191,6 +191,7 @@ impl Dice {
             rounds: self.count(),
             holes_filled: self.count(),
             layout_error: self.maybe(Self::number),
+            timings_s: self.maybe(Self::stages),
         }
     }
 

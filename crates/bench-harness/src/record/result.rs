@@ -41,7 +41,7 @@ pub(crate) struct Record {
     /// How large the KKT matrix is in either wheel form.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) kkt: Option<Kkt>,
-    /// What reading did beyond copying.
+    /// What reading and writing did beyond copying; what was repaired is in `atlas`.
     pub(crate) notes: Vec<String>,
     /// What to try next.
     #[serde(default, skip_serializing_if = "Option::is_none")]

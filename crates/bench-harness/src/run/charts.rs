@@ -77,12 +77,12 @@ pub(crate) fn charts(
     let (uv, metrics, record) = match laid.filter(|_| sheet.is_some_and(|sheet| sheet.is_for_uvs)) {
         Some(laid) => {
             let coverage = laid.metrics.uv_area / laid.size.iter().product::<f64>();
-            let record = record((&unwrap, charting), &unwrapped, &laid.placements, coverage);
+            let record = record((&unwrap, charting), &unwrapped, &laid.placements, coverage, progress);
             (laid.uv, laid.metrics, AtlasRecord { sheet: Some(laid.size), ..record })
         }
         None => {
             let packed = charting.atlas.pack(mesh, &unwrapped, known.materials.as_deref(), stored).map_err(failed)?;
-            let record = record((&unwrap, charting), &unwrapped, &packed.placements, packed.coverage);
+            let record = record((&unwrap, charting), &unwrapped, &packed.placements, packed.coverage, progress);
             let (page, margin) = (Some(charting.atlas.page), Some(charting.atlas.margin));
             let narrow = Narrow::new(&packed.narrow);
             let texels_per_unit = Some(packed.texels_per_unit);
@@ -109,6 +109,7 @@ fn record(
     unwrapped: &Unwrapped,
     placements: &[Placement],
     coverage: f64,
+    progress: &Progress<'_>,
 ) -> AtlasRecord {
     let repairs: &RepairReport = &unwrapped.repairs;
     let mut said = repairs.sentences();
@@ -119,7 +120,9 @@ fn record(
     if unwrapped.shared > 0 {
         said.push(format!("{} the texels of another", count(unwrapped.shared, "face shares", "faces share")));
     }
-    let charted = |(chart, at): (&UnwrappedChart, &Placement)| Charted::new(&unwrap.pipeline, chart, at);
+    let charted = |(chart, at): (&UnwrappedChart, &Placement)| {
+        Charted::new(&unwrap.pipeline, chart, at, progress.stages_of(chart.component, chart.piece))
+    };
     AtlasRecord {
         settings: ChartSettings::new(unwrap, &charting.atlas),
         charts: unwrapped.charts.iter().zip(placements).map(charted).collect(),

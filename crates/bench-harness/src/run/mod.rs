@@ -183,7 +183,6 @@ fn in_charts(
     };
     let elapsed = begin.elapsed().as_secs_f64();
     record.size = Some(Size::of(loaded.mesh(), None));
-    record.notes.extend(atlas.repairs.iter().cloned());
     record.run = Run::of_charts(&method.pipeline, atlas.charts.iter().map(|chart| &chart.solved));
     record.atlas = Some(atlas);
     record.quality = Some(Quality::of_repaired(&metrics, turned, shared));

@@ -26,8 +26,8 @@ static LINES: LazyLock<MultiProgress> = LazyLock::new(MultiProgress::new);
 pub(crate) struct Progress<'a> {
     cancel: &'a Cancel,
     line: Option<Line>,
-    /// When each stage of each component began.
-    starts: BTreeMap<usize, Vec<(Stage, Instant)>>,
+    /// The stages of each piece of each component.
+    pieces: BTreeMap<(usize, usize), Clock>,
     /// When each rung of a ladder began.
     rungs: Vec<Instant>,
     /// When the last stage ended.
@@ -42,7 +42,7 @@ impl<'a> Progress<'a> {
     /// Starts watching work of that name.
     pub(crate) fn new(name: &str, cancel: &'a Cancel) -> Self {
         let line = io::stderr().is_terminal().then(|| Line::new(name));
-        Self { cancel, line, starts: BTreeMap::new(), rungs: Vec::new(), end: None, cpu: Cpu::default(), curves: None }
+        Self { cancel, line, pieces: BTreeMap::new(), rungs: Vec::new(), end: None, cpu: Cpu::default(), curves: None }
     }
 
     /// Collects the curves of inner solves, if `wanted`.
@@ -70,8 +70,13 @@ impl<'a> Progress<'a> {
 
     /// How long the stages took.
     pub(crate) fn stages(&self) -> Stages {
-        let [topology, solve, layout] = [Stage::Topology, Stage::Solve, Stage::Layout].map(|s| self.seconds(s));
-        Stages { topology, solve, layout, flatten: topology + solve + layout, flatten_cpu: Some(self.cpu.seconds) }
+        Stages { flatten_cpu: Some(self.cpu.seconds), ..flattened(|stage| self.seconds(stage)) }
+    }
+
+    /// How long the stages of one piece of a component took.
+    pub(crate) fn stages_of(&self, component: usize, piece: usize) -> Stages {
+        let clock = self.pieces.get(&(component, piece));
+        flattened(|stage| clock.map_or(0.0, |clock| clock.seconds(stage, self.end())))
     }
 
     /// How long the certificate took, in seconds.
@@ -85,19 +90,38 @@ impl<'a> Progress<'a> {
         self.rungs.iter().zip(ends).map(|(start, end)| end.duration_since(*start).as_secs_f64()).collect()
     }
 
-    /// How long a stage took, in seconds, every time it came, of all components together; 0 if there was none.
+    /// How long a stage took, in seconds, every time it came, of all pieces together; 0 if there was none.
     fn seconds(&self, stage: Stage) -> f64 {
-        let of_component = |starts: &Vec<(Stage, Instant)>| {
-            let ends = starts.iter().skip(1).map(|&(_, start)| start).chain([self.end()]);
-            let of_this = starts.iter().zip(ends).filter(|((s, _), _)| *s == stage);
-            of_this.map(|((_, start), end)| end.duration_since(*start).as_secs_f64()).sum::<f64>()
-        };
-        self.starts.values().map(of_component).sum()
+        self.pieces.values().map(|clock| clock.seconds(stage, self.end())).sum()
     }
 
     fn end(&self) -> Instant {
         self.end.unwrap_or_else(Instant::now)
     }
+}
+
+/// The stages of one piece, or of a whole mesh that is no chart.
+#[derive(Default)]
+struct Clock {
+    /// When each of them began.
+    starts: Vec<(Stage, Instant)>,
+    /// When a piece was last heard of: others go on after it.
+    heard: Option<Instant>,
+}
+
+impl Clock {
+    /// How long a stage took, every time it came; the last of a whole mesh goes on until `end`.
+    fn seconds(&self, stage: Stage, end: Instant) -> f64 {
+        let ends = self.starts.iter().skip(1).map(|&(_, start)| start).chain([self.heard.unwrap_or(end)]);
+        let of_this = self.starts.iter().zip(ends).filter(|((s, _), _)| *s == stage);
+        of_this.map(|((_, start), end)| end.duration_since(*start).as_secs_f64()).sum()
+    }
+}
+
+/// The stages from a mesh to its UVs, and their sum.
+fn flattened(seconds: impl Fn(Stage) -> f64) -> Stages {
+    let [topology, solve, layout] = [Stage::Topology, Stage::Solve, Stage::Layout].map(seconds);
+    Stages { topology, solve, layout, flatten: topology + solve + layout, flatten_cpu: None }
 }
 
 /// Processor time, from the first stage to the one after the layout.
@@ -133,10 +157,13 @@ impl Observer for Progress<'_> {
         if let Some(line) = self.line.as_ref().filter(|_| place.faces > 0) {
             line.faces(place.faces_done, place.faces);
         }
+        let now = Instant::now();
+        let clock = self.pieces.entry((place.component, place.chart)).or_default();
+        clock.heard = (place.charts > 0).then_some(now);
         match event {
             Event::StageStarted(stage) => {
+                clock.starts.push((stage, now));
                 self.cpu.stage(stage);
-                self.starts.entry(place.component).or_default().push((stage, Instant::now()));
                 self.say(at(
                     place,
                     match stage {
@@ -238,7 +265,7 @@ mod tests {
         }
         progress.end_stages();
         thread::sleep(Duration::from_millis(5));
-        let whole = progress.end.expect("ended").duration_since(progress.starts[&0][0].1).as_secs_f64();
+        let whole = progress.end.expect("ended").duration_since(progress.pieces[&(0, 0)].starts[0].1).as_secs_f64();
         let stages = progress.stages();
         assert!((whole - stages.flatten).abs() < 1e-9);
         assert!(stages.solve >= 0.005);
@@ -254,9 +281,14 @@ mod tests {
         progress.observe_at(Place::default(), Event::StageStarted(Stage::Solve));
         progress.observe_at(second, Event::StageStarted(Stage::Solve));
         thread::sleep(Duration::from_millis(5));
+        progress.observe_at(second, Event::Working);
+        let of_second = progress.stages_of(1, 0).solve;
+        thread::sleep(Duration::from_millis(5));
         progress.end_stages();
-        // Both go on at the same time: together they take twice as long.
-        assert!(progress.stages().solve >= 0.010);
+        // Both went on at the same time, the second until it was last heard of.
+        assert!(of_second >= 0.005 && progress.stages_of(1, 0).solve == of_second);
+        assert!(progress.stages().solve >= 0.010 + of_second);
+        assert_eq!(progress.stages_of(1, 1), Stages::default());
         assert_eq!(at(Place::default(), "layout"), "layout");
         assert_eq!(at(second, "layout"), "component 2/3, round 2: layout");
         (second.components, second.chart, second.charts) = (1, 4, 7);

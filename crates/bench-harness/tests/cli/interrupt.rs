@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How long a test waits for what cannot be seen from outside.
 pub(crate) const MOMENT: Duration = Duration::from_millis(500);
@@ -126,4 +126,39 @@ fn a_comparison_that_is_cancelled_keeps_the_meshes_that_were_done() {
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     assert!(ran.stderr.contains("cancelled: 1 of 3 meshes done"), "{}", ran.stderr);
     assert_the_first_mesh_is_kept(&folder);
+}
+
+/// Squares on top of each other, each a part of its own, a little apart: a picture paints every one of them in full.
+fn stack(folder: &Folder, count: usize) -> PathBuf {
+    let mut obj = String::new();
+    for k in 0..count {
+        let (height, first) = (k as f64 * 1e-3, 4 * k + 1);
+        for [x, y] in [[0, 0], [1, 0], [1, 1], [0, 1]] {
+            obj += &format!("v {x} {y} {height}\n");
+        }
+        obj += &format!("f {first} {} {}\nf {first} {} {}\n", first + 1, first + 2, first + 2, first + 3);
+    }
+    folder.file("stack.obj", obj)
+}
+
+#[test]
+fn one_ctrl_c_ends_a_picture_that_takes_long_and_leaves_no_part_of_it() {
+    let folder = Folder::new();
+    let (mesh, out) = (stack(&folder, 40), folder.path("out.obj"));
+    let mut command = program();
+    command.arg(mesh).arg("-o").arg(&out).arg("--png").arg(folder.path("picture.png"));
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    // The picture is drawn after the mesh is written.
+    let begin = Instant::now();
+    while !out.is_file() {
+        assert!(begin.elapsed() < 240 * MOMENT, "the mesh is written");
+        thread::sleep(MOMENT / 100);
+    }
+    let asked = Instant::now();
+    interrupt(&child);
+    let ran = Ran::new(child.wait_with_output().expect("it ends"));
+    assert!(asked.elapsed() < 4 * MOMENT, "{:?}", asked.elapsed());
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("picture.png") && ran.stderr.contains("cancelled"), "{}", ran.stderr);
+    assert_eq!(folder.count(), 2, "the mesh as it was and with its UVs");
 }
