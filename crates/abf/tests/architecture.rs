@@ -43,6 +43,7 @@ const ROOMS: &[(&str, &[&[&str]])] = &[
             &["error"],
             &["precision_limits"],
             &["flattening"],
+            &["solve_report"],
             &["run"],
             &["unwrap"],
             &["atlas"],

@@ -339,3 +339,27 @@ fn kept_seams_include_those_that_doubled_vertices_make() {
     assert_eq!(kept.charts.len(), soup.face_count());
     assert_eq!(kept.repairs.joined_vertices.count, soup.vertex_count() - twin.vertex_count());
 }
+
+#[test]
+fn a_long_chart_is_parted_where_it_would_set_the_density_of_all_and_only_in_an_atlas() {
+    // A strip of 400 × 1 squares.
+    let points: Vec<[f64; 3]> = (0..802).map(|i| [f64::from(i / 2), f64::from(i % 2), 0.0]).collect();
+    let square = |i: usize| [[2 * i, 2 * i + 2, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 1]];
+    let strip = mesh(&points, &(0..400).flat_map(square).collect::<Vec<_>>());
+    let whole = unwrap(&strip);
+    assert_eq!((whole.charts.len(), whole.parted), (1, 0), "a disk that asks for no atlas");
+    let in_atlas = Unwrap { cut_disks: true, ..Unwrap::default() };
+    let parted = with(&in_atlas, &strip);
+    // A page is √(400 / 0.5) wide.
+    assert_eq!((parted.charts.len(), parted.parted), (15, 1));
+    assert_eq!(parted.charts.iter().map(|chart| chart.faces.len()).sum::<usize>(), 800);
+    assert!(parted.charts.iter().all(|chart| chart.metrics.injective() && chart.metrics.stretch_l2 < 1.0 + 1e-9));
+    let unlimited = Unwrap { max_chart_length: None, ..in_atlas.clone() };
+    assert_eq!(with(&unlimited, &strip).charts.len(), 1);
+    // Diagonals of squares are no seams.
+    let diagonal = |f: usize| if f % 2 == 0 { [false, true, false] } else { [false, false, true] };
+    let diagonals: Vec<bool> = (0..800).flat_map(diagonal).collect();
+    let hints = SurfaceHints { forbidden: Some(&diagonals), ..SurfaceHints::default() };
+    let kept = in_atlas.run(&strip, &hints, &mut Silent).expect("charts");
+    assert!(kept.charts.len() > 1 && kept.charts.iter().all(|chart| chart.faces.len() % 2 == 0));
+}

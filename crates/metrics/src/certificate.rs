@@ -9,6 +9,7 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use crate::face::{Orientation, Survey};
+use crate::interval::Interval;
 use crate::overlap::Overlaps;
 use crate::sheet::{Fan, Sheet};
 use crate::triangle::{cotangents, is_within_rounding};
@@ -357,30 +358,6 @@ impl Listed {
         self.count += later.count;
         let room = Certificate::LISTED - self.first.len();
         self.first.extend(later.first.into_iter().take(room));
-    }
-}
-
-/// The least and the greatest of some numbers.
-struct Interval {
-    low: f64,
-    high: f64,
-}
-
-impl Default for Interval {
-    fn default() -> Self {
-        Self { low: f64::INFINITY, high: f64::NEG_INFINITY }
-    }
-}
-
-impl Interval {
-    fn take(&mut self, x: f64) {
-        self.low = self.low.min(x);
-        self.high = self.high.max(x);
-    }
-
-    fn join(&mut self, other: &Self) {
-        self.take(other.low);
-        self.take(other.high);
     }
 }
 

@@ -30,6 +30,7 @@ mod charts;
 mod direction;
 mod error;
 mod face;
+mod interval;
 mod measure;
 mod overlap;
 mod precision;

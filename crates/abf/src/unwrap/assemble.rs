@@ -43,6 +43,7 @@ pub(super) fn unwrapped(
         followers: in_one_point.chain(followers(joined, repaired)).collect(),
         turned: repaired.turned_faces(),
         shared: repaired.duplicates.len(),
+        parted: 0,
         corner_count: 3 * input.face_count(),
     };
     find_seams(&mut whole, input, repaired, checkpoint)?;

@@ -5,6 +5,7 @@ mod component;
 mod error;
 mod finish;
 mod hints;
+mod long;
 mod overlap;
 mod piece;
 mod relay;
@@ -53,6 +54,9 @@ pub struct Unwrap {
     /// Edges where the surface turns by no more than this, rad, are smooth: planar and developable parts are joined across
     /// them first, and across sharper ones as long as nothing meets in the plane. In [0, π].
     pub crease_angle: f64,
+    /// A chart longer than so many page widths is parted, unless the mesh is one disk that stays whole: a page is as wide as the
+    /// square that all charts together cover half of. At least 1.
+    pub max_chart_length: Option<f64>,
     /// How many vertices a round joins to the seam, at most.
     pub terminals: usize,
     /// How far these are apart at least, as a part of the diagonal of the bounding box.
@@ -82,6 +86,7 @@ impl Default for Unwrap {
             max_stretch: 1.15,
             max_seam: None,
             crease_angle: std::f64::consts::FRAC_PI_6,
+            max_chart_length: Some(2.0),
             terminals: 3,
             spacing: 0.15,
             reach: 0.0,
@@ -147,6 +152,8 @@ pub struct Unwrapped {
     pub turned: Vec<FaceId>,
     /// How many faces lie on the UVs of an earlier face with the same vertices ([`DoubleSided::Shared`]).
     pub shared: usize,
+    /// How many charts were parted because they were long ([`Unwrap::max_chart_length`]).
+    pub parted: usize,
     corner_count: usize,
 }
 
@@ -269,18 +276,26 @@ impl Unwrap {
             }
         }
         let last = (parts.len() - 1, charts.last().map_or(0, |charts: &Vec<_>| charts.len().saturating_sub(1)));
+        let mut go_on = || ask(&mut relay.ear(last.0, last.1), Event::Working);
+        let parted = match self.max_chart_length.filter(|_| !stays_whole) {
+            None => 0,
+            Some(limit) => self.part_long(limit, (&repaired, hints), &parts, &mut charts, &mut go_on)?,
+        };
         match nowhere.filter(|_| charts.iter().all(Vec::is_empty)) {
             Some(error) => Err(error),
-            None => Ok(assemble::unwrapped(
-                mesh,
-                welded.as_ref().map_or(mesh, |w| &w.mesh),
-                &repaired,
-                &parts,
-                charts,
-                scale,
-                self.pipeline.precision,
-                &mut || ask(&mut relay.ear(last.0, last.1), Event::Working),
-            )?),
+            None => {
+                let whole = assemble::unwrapped(
+                    mesh,
+                    welded.as_ref().map_or(mesh, |w| &w.mesh),
+                    &repaired,
+                    &parts,
+                    charts,
+                    scale,
+                    self.pipeline.precision,
+                    &mut go_on,
+                )?;
+                Ok(Unwrapped { parted, ..whole })
+            }
         }
     }
 
@@ -327,6 +342,9 @@ impl Unwrap {
         let wrong = |name, allowed, value: f64| Err(SettingError::new(name, allowed, value).into());
         if !(self.max_stretch >= 1.0) {
             return wrong("max_stretch", "at least 1", self.max_stretch);
+        }
+        if let Some(length) = self.max_chart_length.filter(|length| !(*length >= 1.0)) {
+            return wrong("max_chart_length", "at least 1", length);
         }
         if let Some(limit) = self.max_seam.filter(|limit| !(*limit >= 0.0)) {
             return wrong("max_seam", "at least 0", limit);

@@ -45,7 +45,7 @@ pub(super) fn take_apart(
     Ok(done.into_iter().map(|(_, chart)| chart).collect())
 }
 
-fn part_of(
+pub(super) fn part_of(
     mesh: &TriMesh,
     chart: &Finished,
     in_mesh: &[FaceId],
@@ -92,7 +92,7 @@ fn nearer_to_the_other(uv: &UvMap, one: FaceId, other: FaceId) -> Vec<bool> {
 }
 
 /// For every face the faces that share two UV points with it.
-fn neighbours(uv: &UvMap) -> Vec<[Option<usize>; 3]> {
+pub(super) fn neighbours(uv: &UvMap) -> Vec<[Option<usize>; 3]> {
     let faces = uv.corners().as_chunks::<3>().0;
     let mut first: HashMap<[UvId; 2], (usize, usize)> = HashMap::with_capacity(3 * faces.len() / 2);
     let mut neighbours = vec![[None; 3]; faces.len()];

@@ -63,6 +63,9 @@ impl Charting {
         if let Some(angle) = args.crease_angle.filter(|a| !(0.0..=180.0).contains(a)) {
             return wrong(format!("--crease-angle must be in 0..=180 degrees, got {angle}"));
         }
+        if let Some(length) = args.max_chart_length.filter(|l| !(*l >= 1.0)) {
+            return wrong(format!("--max-chart-length must be at least 1, got {length}"));
+        }
         if let Some(length) = args.max_seam.filter(|l| !(*l >= 0.0)) {
             return wrong(format!("--max-seam must be at least 0, got {length}"));
         }
@@ -83,6 +86,7 @@ impl Charting {
                 max_stretch: args.max_stretch.unwrap_or(unwrap.max_stretch),
                 max_seam: args.max_seam,
                 crease_angle: args.crease_angle.map_or(unwrap.crease_angle, f64::to_radians),
+                max_chart_length: args.max_chart_length.map_or(unwrap.max_chart_length, |l| l.is_finite().then_some(l)),
                 cut_disks: args.cut_disks,
                 weld: args.weld.unwrap_or(unwrap.weld),
                 double_sided: args.double_sided.unwrap_or(unwrap.double_sided),

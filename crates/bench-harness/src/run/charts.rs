@@ -117,6 +117,10 @@ fn record(
         let faces = count(unwrapped.without_area, "face", "faces");
         said.push(format!("{faces} of components without any area put into one point"));
     }
+    if let Some(length) = charting.unwrap.max_chart_length.filter(|_| unwrapped.parted > 0) {
+        let charts = count(unwrapped.parted, "chart", "charts");
+        said.push(format!("{charts} longer than {length} page widths parted (--max-chart-length)"));
+    }
     if unwrapped.shared > 0 {
         said.push(format!("{} the texels of another", count(unwrapped.shared, "face shares", "faces share")));
     }

@@ -1,6 +1,7 @@
 //! Islands of the same shape.
 
 use super::islands::Islands;
+use super::stacked::Stacked;
 use abf_mesh::UvId;
 use std::collections::{BTreeMap, HashMap};
 
@@ -8,15 +9,6 @@ use std::collections::{BTreeMap, HashMap};
 const OF_ALL: f64 = 1e-5;
 /// and this part of their island's own.
 const OF_OWN: f64 = 1e-3;
-
-/// An island that is laid upon another one.
-#[derive(Clone, Debug)]
-pub(super) struct Stacked {
-    /// The other one.
-    pub(super) on: usize,
-    /// Every point of the island with the point of the other one that it takes the place of.
-    pub(super) points: Vec<(UvId, UvId)>,
-}
 
 /// For every island the first one of its group that has its shape, turned or not. Islands that lie over themselves or over
 /// others stay as they are.

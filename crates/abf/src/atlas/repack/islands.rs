@@ -3,8 +3,8 @@
 use super::super::AtlasError;
 use super::super::judge::Judge;
 use super::super::outline;
-use super::congruent::Stacked;
 use super::overlapping::overlapping;
+use super::stacked::Stacked;
 use super::xy;
 use abf_mesh::{DisjointSets, FaceId, Point2, TriMesh, UvId, UvMap};
 use abf_metrics::{Precision, charts};

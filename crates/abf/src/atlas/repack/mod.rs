@@ -3,6 +3,7 @@
 mod congruent;
 mod islands;
 mod overlapping;
+mod stacked;
 
 use super::judge::Judge;
 use super::{Atlas, AtlasError, NarrowPlace, Placement, Stored};
@@ -112,7 +113,7 @@ impl Repack {
                 bundle.iter().for_each(|&i| of_island[i] = placed.into());
             }
             for (i, leader) in stacked_on.iter().enumerate() {
-                leader.iter().for_each(|leader: &congruent::Stacked| of_island[i] = of_island[leader.on]);
+                leader.iter().for_each(|leader: &stacked::Stacked| of_island[i] = of_island[leader.on]);
             }
             let place = |i: usize, p| stored(of_island[i].place(p, texels_per_unit, atlas.page));
             let packed = islands.moved(&stacked_on, place);

@@ -29,6 +29,10 @@ pub(crate) struct ChartArgs {
     /// [default: 30]
     #[arg(long, hide_short_help = true, value_name = "A", help_heading = CHARTS)]
     pub(crate) crease_angle: Option<f64>,
+    /// Part charts that are longer than L page widths, where charts together cover half of a page; inf for no limit
+    /// [default: 2]
+    #[arg(long, hide_short_help = true, value_name = "L", help_heading = CHARTS)]
+    pub(crate) max_chart_length: Option<f64>,
     /// Cut a file that is one disk, too, where its stretch is above --max-stretch; in an atlas every disk is
     #[arg(long, hide_short_help = true, help_heading = CHARTS)]
     pub(crate) cut_disks: bool,
@@ -77,6 +81,7 @@ impl ChartArgs {
             || *strict
             || self.double_sided.is_some()
             || self.overlap.is_some()
+            || self.max_chart_length.is_some()
             || self.packing.is_given()
             || self.seam_lines.is_some()
             || self.remap.is_some()

@@ -21,7 +21,7 @@ pub(crate) struct SheetArgs {
     pub(crate) gap: Option<f64>,
     /// Draw folds: edges where the surface turns by at least A degrees, mountains and valleys in layers of their own
     /// [default: none; without A: 10]
-    #[arg(long, value_name = "A", num_args = 0..=1, require_equals = true, default_missing_value = "10", help_heading = SHEET)]
+    #[arg(long, hide_short_help = true, value_name = "A", num_args = 0..=1, require_equals = true, default_missing_value = "10", help_heading = SHEET)]
     pub(crate) folds: Option<f64>,
     /// What one unit of the mesh is, for --svg [default: mm, and m for a glTF]
     #[arg(long, value_name = "UNIT", help_heading = SHEET)]

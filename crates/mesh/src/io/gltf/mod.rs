@@ -25,6 +25,7 @@ mod append;
 mod container;
 mod edit;
 mod json;
+mod place;
 mod plain;
 mod save;
 mod scene;
@@ -35,8 +36,8 @@ use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 pub use edit::{GltfRemap, GltfTexcoords, PrimitiveRemap, stored_uv};
+pub use place::GltfPlace;
 pub(super) use plain::write_plain;
-pub use scene::GltfPlace;
 pub use surface::{GltfPrimitive, GltfSurface};
 
 use self::json::{Item, Object};

@@ -8,7 +8,7 @@ use super::super::{MeshFile, ReadNotes, UvDropped};
 use super::GltfDocument;
 use super::accessor::{Accessor, Component};
 use super::json::Item;
-use super::scene::{GltfPlace, Places};
+use super::place::{GltfPlace, Places};
 use crate::{Point2, Point3, TriMesh, UvId, UvMap, VertexId};
 
 /// What a primitive is made of (section 3.7.2.1).
