@@ -357,7 +357,7 @@ fn a_long_chart_is_parted_where_it_would_set_the_density_of_all_and_only_in_an_a
     let unlimited = Unwrap { max_chart_length: None, ..in_atlas.clone() };
     assert_eq!(with(&unlimited, &strip).charts.len(), 1);
     // Diagonals of squares are no seams.
-    let diagonal = |f: usize| if f % 2 == 0 { [false, true, false] } else { [false, false, true] };
+    let diagonal = |f: usize| if f.is_multiple_of(2) { [false, true, false] } else { [false, false, true] };
     let diagonals: Vec<bool> = (0..800).flat_map(diagonal).collect();
     let hints = SurfaceHints { forbidden: Some(&diagonals), ..SurfaceHints::default() };
     let kept = in_atlas.run(&strip, &hints, &mut Silent).expect("charts");

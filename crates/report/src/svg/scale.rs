@@ -25,7 +25,7 @@ impl Sheet<'_> {
         let data = format!("M{left} {high}L{left} {low}L{right} {low}L{right} {high}");
         self.layer(out, "scale", r##"fill="none" stroke="#000000""##, &[("bar", data)]);
         let size = self.number(self.in_unit(LETTERS_MM));
-        self.into_layer(out, |out| {
+        self.in_layer(out, |out| {
             let _ = writeln!(
                 out,
                 "<text x=\"{left}\" y=\"{text}\" font-family=\"sans-serif\" font-size=\"{size}\" fill=\"#000000\" \
@@ -48,7 +48,7 @@ impl Sheet<'_> {
             format!("M{}L{}", self.place(mark.at), self.place(end))
         };
         self.layer(out, "numbers", r##"fill="none" stroke="#7a4bc2""##, &[("ticks", marks.iter().map(tick).collect())]);
-        self.into_layer(out, |out| {
+        self.in_layer(out, |out| {
             for mark in marks {
                 let at = self.place(mark.at + mark.inward * (1.2 * height(mark)));
                 let (x, y) = at.split_once(' ').unwrap_or_default();
@@ -64,7 +64,7 @@ impl Sheet<'_> {
     }
 
     /// Writes more into the layer that was written last.
-    fn into_layer(&self, out: &mut String, write: impl FnOnce(&mut String)) {
+    fn in_layer(&self, out: &mut String, write: impl FnOnce(&mut String)) {
         const END: &str = "</g>\n";
         out.truncate(out.len() - END.len());
         write(out);
