@@ -57,7 +57,7 @@ fn run_command() -> Outcome {
         }
         Some(Command::Metrics(args)) => metrics::judge_all(&args, &typed),
         Some(Command::Pack(args)) => {
-            pack::pack(&pack::Settings::new(*args).unwrap_or_else(|error| program::exit(error, Some("pack"))))
+            pack::pack(&pack::Settings::new(*args, typed).unwrap_or_else(|error| program::exit(error, Some("pack"))))
         }
         Some(Command::Fixtures(args)) => fixtures::write(args),
     }

@@ -271,7 +271,7 @@ impl Atlas {
             };
             abf_pack::gaps(piece, within).into_iter().map(place).collect()
         };
-        pieces.par_iter().enumerate().flat_map_iter(of_chart).collect()
+        pieces.par_iter().enumerate().map(of_chart).collect::<Vec<_>>().concat()
     }
 
     fn refused(&self, error: PackError) -> AtlasError {

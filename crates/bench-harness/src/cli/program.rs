@@ -18,7 +18,7 @@ Exit codes:
   1  finished, but not converged, or not valid, or cancelled
   2  unusable input or usage, or a file that cannot be written
 Of several meshes or solvers the worst counts. A reader of stdout that goes away is no error.
-A map that overlaps itself is said to, and does not change the code.";
+An overlap makes the code 1 in an atlas, unless --overlap allow; of a lone disk it is said only.";
 
 /// Reads the command line. A usage error, and a call for help, end the program.
 pub(crate) fn parse() -> (Args, Typed) {

@@ -50,7 +50,8 @@ impl Sheet {
         if is_for_uvs && normalize {
             return conflict("--units real and --normalize are two scales: leave out one of them".to_owned());
         }
-        if let Some(option) = charts.packing.first_given().filter(|_| is_for_uvs) {
+        let of_pages = charts.packing.first_given().or(charts.max_chart_length.map(|_| "--max-chart-length"));
+        if let Some(option) = of_pages.filter(|_| is_for_uvs) {
             return conflict(format!("{option} concerns the unit square: leave it out, or --units real"));
         }
         if let Some(gap) = args.gap.filter(|gap| !(*gap >= 0.0 && gap.is_finite())) {

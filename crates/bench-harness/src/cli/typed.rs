@@ -112,7 +112,7 @@ mod tests {
     fn no_command_names_an_option_that_it_rejects() {
         let all = hints().concat();
         assert!(all.len() > 60 && all.iter().filter(|hint| hint.contains("--")).count() > 15, "{all:?}");
-        for line in ["abf a.obj", "abf compare a.obj", "abf survey a", "abf metrics a.obj"] {
+        for line in ["abf a.obj", "abf compare a.obj", "abf survey a", "abf metrics a.obj", "abf pack a.obj"] {
             let typed = typed(line).expect("a command line");
             for hint in &all {
                 let mut failure = Failure::panicked("a.obj");

@@ -3,6 +3,7 @@
 use crate::cli::args::PackArgs;
 use crate::cli::packing::atlas_of;
 use crate::cli::targets::{JsonTarget, check_distinct, check_extension};
+use crate::cli::typed::Typed;
 use crate::cli::usage::usage;
 use crate::record::failure::Failure;
 use crate::record::{Outcome, Quality, Record, Repacked, Timings, to_json};
@@ -26,6 +27,7 @@ pub(crate) struct Settings {
     output: Option<PathBuf>,
     remap: Option<PathBuf>,
     json: Option<JsonTarget>,
+    typed: Typed,
 }
 
 impl Settings {
@@ -33,11 +35,11 @@ impl Settings {
     ///
     /// # Errors
     /// A usage error that names the option.
-    pub(crate) fn new(args: PackArgs) -> Result<Self, clap::Error> {
+    pub(crate) fn new(args: PackArgs, typed: Typed) -> Result<Self, clap::Error> {
         let repack = Repack { atlas: atlas_of(&args.packing)?, stack: args.stack };
         let json = JsonTarget::new(args.json);
         if let Some(path) = &args.output {
-            check_extension("--output", path, &["obj", "ply", "glb", "gltf"])?;
+            check_extension("--output", path, &MeshFormat::extensions(MeshFormat::is_written))?;
         }
         if let Some(path) = &args.remap {
             check_extension("--remap", path, &["json"])?;
@@ -53,7 +55,7 @@ impl Settings {
             ("--json", json.as_ref().and_then(JsonTarget::file)),
         ];
         check_distinct(&targets, std::slice::from_ref(&args.mesh))?;
-        Ok(Self { mesh: args.mesh, repack, output: args.output, remap: args.remap, json })
+        Ok(Self { mesh: args.mesh, repack, output: args.output, remap: args.remap, json, typed })
     }
 }
 
@@ -70,7 +72,8 @@ pub(crate) fn pack(settings: &Settings) -> Outcome {
     let record = match Loaded::read(&source, None, &cancel) {
         Ok(loaded) => {
             let mut record = loaded.record();
-            record.error = fill(settings, &loaded, &mut record).err();
+            record.error = fill(settings, &loaded, &mut record, &cancel).err();
+            settings.typed.fit(&mut record);
             record
         }
         Err(failure) => unusable(source.name(), failure),
@@ -89,15 +92,19 @@ pub(crate) fn pack(settings: &Settings) -> Outcome {
 }
 
 /// Packs and writes, and fills the record as far as it gets.
-fn fill(settings: &Settings, loaded: &Loaded, record: &mut Record) -> Result<(), Failure> {
+fn fill(settings: &Settings, loaded: &Loaded, record: &mut Record, cancel: &Cancel) -> Result<(), Failure> {
     let heap = loaded.watch_memory();
     let begin = Instant::now();
     let uv = loaded.uv().ok_or_else(|| Failure::no_uv(&loaded.name, loaded.uv_dropped(), "pack"))?;
     let by_material = settings.repack.atlas.pages == AtlasPages::PerMaterial;
     let materials = loaded.known_of_faces(false).materials.filter(|_| by_material);
     let to_gltf = settings.output.as_deref().and_then(MeshFormat::from_path).is_some_and(MeshFormat::is_gltf);
-    let packed = settings.repack.run(loaded.mesh(), uv, materials.as_deref(), stored(to_gltf, Precision::Double));
+    let packed = settings.repack.run(loaded.sized(), uv, materials.as_deref(), stored(to_gltf, Precision::Double));
     let packed = packed.map_err(|error| Failure::atlas(&loaded.name, &error))?;
+    // Packing is one call: who asks to stop during it gets no file.
+    if cancel.is_asked() {
+        return Err(Failure::cancelled(&loaded.name));
+    }
     let atlas = begin.elapsed().as_secs_f64();
     record.quality = Some(Quality::new(&packed.metrics));
     record.repacked = Some(Repacked::new(&packed, &settings.repack.atlas));

@@ -74,7 +74,7 @@ impl Failure {
 
     /// A picture of more than one page.
     pub(crate) fn several_pages(path: &Path, pages: usize) -> Self {
-        let hint = "take --atlas one, or --max-pages 1, or leave out --png, or leave out --svg";
+        let hint = "take --atlas one, or --max-pages 1, or leave out --png";
         Self::new(
             (FailureKind::NoPicture, hint),
             format!("{}: there are {pages} pages, and a picture shows one", path.display()),

@@ -65,8 +65,10 @@ pub(crate) fn charts(
     }
     // In an atlas, disks are pieces like all others.
     let cut_disks = charting.unwrap.cut_disks || charting.is_for(loaded.is_gltf());
-    let unwrap =
-        Unwrap { pipeline: Pipeline { normalize: false, ..pipeline.clone() }, cut_disks, ..charting.unwrap.clone() };
+    // A sheet has no pages.
+    let max_chart_length = charting.unwrap.max_chart_length.filter(|_| !sheet.is_some_and(|sheet| sheet.is_for_uvs));
+    let pipeline_of_charts = Pipeline { normalize: false, ..pipeline.clone() };
+    let unwrap = Unwrap { pipeline: pipeline_of_charts, cut_disks, max_chart_length, ..charting.unwrap.clone() };
     let unwrapped = unwrap.run(mesh, &hints, progress).map_err(|e| Failure::unwrap(&loaded.name, &e, loaded.fanned))?;
     let charts_s = begin.elapsed().as_secs_f64();
     let stored = stored(charting.to_gltf, pipeline.precision);

@@ -85,7 +85,7 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, wanted: &Wanted<'_>, can
         return in_charts(loaded, method, (charting, sheet), cancel, record);
     }
     let mut progress = watch(loaded, method, cancel).with_curves(with_curves);
-    let mesh = loaded.mesh();
+    let mesh = loaded.sized();
     // Inside the pool once, and not anew for every loop that is shared out.
     let flat = match (rayon::scope(|_| method.pipeline.run(mesh, &mut progress)), charting) {
         (Ok(flat), _) => flat,
@@ -97,24 +97,24 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, wanted: &Wanted<'_>, can
     progress.end_stages();
     // What was flattened is a disk.
     let (interior_vertices, boundary_loops) = (Some(flat.interior_vertices), Some(1));
-    record.size = Some(Size { interior_vertices, boundary_loops, ..Size::of(loaded.mesh(), None) });
+    record.size = Some(Size { interior_vertices, boundary_loops, ..Size::of(loaded.sized(), None) });
     record.run = Some(Run::new(&method.pipeline, &flat, &progress.rungs()));
 
     progress.say("metrics");
     let judging = Instant::now();
     // Both formats hold doubles exactly, so these are the UVs as written.
-    match flat.metrics(loaded.mesh()) {
+    match flat.metrics(loaded.sized()) {
         Ok(metrics) => record.quality = Some(Quality::new(&metrics)),
         Err(error) => record.error = Some(Failure::metrics(&loaded.name, &error)),
     }
-    let laid = sheet.map(|sheet| (sheet, sheet.pattern.lay_disk(loaded.mesh(), &flat)));
+    let laid = sheet.map(|sheet| (sheet, sheet.pattern.lay_disk(loaded.sized(), &flat)));
     let mut drawn = None;
     let mut uv = flat.uv;
     match laid {
         None => {}
         Some((_, Err(error))) => record.error = Some(Failure::atlas(&loaded.name, &error)),
         Some((sheet, Ok(laid))) => {
-            drawn = sheet.is_drawn.then(|| laid.developed(loaded.mesh()));
+            drawn = sheet.is_drawn.then(|| laid.developed(loaded.sized()));
             if sheet.is_for_uvs {
                 record.quality = Some(Quality::new(&laid.metrics));
                 uv = laid.uv;

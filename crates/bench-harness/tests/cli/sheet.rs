@@ -152,7 +152,10 @@ fn real_units_are_written_and_stated() {
     let sheet: Vec<f64> =
         atlas["sheet"].as_array().expect("a size").iter().filter_map(serde_json::Value::as_f64).collect();
     assert_near(&sheet, &[1000.0, 180.0 * 100.0 * (PI / 360.0).sin() + 7.0 + 200.0]);
-    assert!(atlas.get("resolution").is_none() && atlas.get("texels_per_unit").is_none(), "{atlas}");
+    assert!(
+        atlas.get("page").is_none() && atlas.get("margin").is_none() && atlas.get("texels_per_unit").is_none(),
+        "{atlas}"
+    );
     let judged = run_on("metrics --json -", &[&out]).result();
     let area = judged["uv_area"].as_f64().expect("an area") / judged["surface_area"].as_f64().expect("an area");
     assert!((area - 1.0).abs() < 1e-9 && judged["injective"] == true, "{judged}");

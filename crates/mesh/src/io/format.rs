@@ -142,6 +142,12 @@ impl MeshFormat {
         }
     }
 
+    /// The extensions of some formats.
+    #[must_use]
+    pub fn extensions(of: impl Fn(Self) -> bool) -> Vec<&'static str> {
+        Self::ALL.into_iter().filter(|&format| of(format)).map(Self::extension).collect()
+    }
+
     /// The extensions of some formats, for a sentence; `last` stands before the last one.
     ///
     /// ```
@@ -152,8 +158,7 @@ impl MeshFormat {
     /// ```
     #[must_use]
     pub fn list(of: impl Fn(Self) -> bool, last: &str) -> String {
-        let extensions: Vec<&str> = Self::ALL.into_iter().filter(|&format| of(format)).map(Self::extension).collect();
-        match &extensions[..] {
+        match &Self::extensions(of)[..] {
             [others @ .., end] if !others.is_empty() => format!("{}{last}{end}", others.join(", ")),
             all => all.concat(),
         }

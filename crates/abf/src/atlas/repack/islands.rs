@@ -28,12 +28,17 @@ pub(super) struct Islands<'a> {
 }
 
 impl<'a> Islands<'a> {
-    pub(super) fn find(mesh: &TriMesh, uv: &'a UvMap, precision: Precision) -> Result<Self, AtlasError> {
+    pub(super) fn find(
+        mesh: &TriMesh,
+        turned: &[FaceId],
+        uv: &'a UvMap,
+        precision: Precision,
+    ) -> Result<Self, AtlasError> {
         let of_face = charts(mesh, uv)?;
         let count = of_face.iter().max().map_or(0, |last| last + 1);
         let mut faces = vec![Vec::new(); count];
         of_face.iter().enumerate().for_each(|(f, &island)| faces[island].push(FaceId::new(f)));
-        let mut judge = Judge::new(mesh, &[], uv, precision);
+        let mut judge = Judge::new(mesh, turned, uv, precision);
         let whole = judge.certificate(&[(0..mesh.face_count()).map(FaceId::new).collect()])?;
         let mut found = Self {
             uv,

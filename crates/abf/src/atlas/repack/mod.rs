@@ -7,6 +7,7 @@ mod stacked;
 
 use super::judge::Judge;
 use super::{Atlas, AtlasError, NarrowPlace, Placement, Stored};
+use abf_cut::{DoubleSided, Weld, repair_with, weld};
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap};
 use abf_metrics::{Metrics, Precision};
 use abf_pack::{Packing, Piece};
@@ -91,7 +92,8 @@ impl Repack {
     ) -> Result<Repacked, AtlasError> {
         let atlas = &self.atlas;
         atlas.check()?;
-        let islands = Islands::find(mesh, uv, precision)?;
+        let turned = turned_by_repair(mesh);
+        let islands = Islands::find(mesh, &turned, uv, precision)?;
         let group =
             atlas.groups(mesh, islands.faces.iter().map(Vec::as_slice), || islands.components(mesh), materials)?;
         let stacked_on = if self.stack { congruent::stacks(&islands, &group) } else { vec![None; islands.len()] };
@@ -117,7 +119,7 @@ impl Repack {
             }
             let place = |i: usize, p| stored(of_island[i].place(p, texels_per_unit, atlas.page));
             let packed = islands.moved(&stacked_on, place);
-            let mut judge = Judge::new(mesh, &[], &packed, precision);
+            let mut judge = Judge::new(mesh, &turned, &packed, precision);
             let mut faces_of: Vec<Vec<FaceId>> = vec![Vec::new(); pages];
             for &i in bundles.iter().flatten() {
                 faces_of[of_island[i].page].extend_from_slice(&islands.faces[i]);
@@ -156,6 +158,16 @@ impl Repack {
             spoilt.into_iter().for_each(|number| pieces[number].keeps_its_angle = true);
         }
     }
+}
+
+/// The faces that the repair of [`Unwrap`](crate::Unwrap) turns around: they are judged the other way around.
+fn turned_by_repair(mesh: &TriMesh) -> Vec<FaceId> {
+    let in_range = mesh.in_range();
+    let working = in_range.as_ref().map_or(mesh, |(scaled, _)| scaled);
+    let welded = weld(working, Weld::Auto);
+    let joined = welded.as_ref().map_or(working, |welded| &welded.mesh);
+    // Where nothing is left after repair, nothing was turned.
+    repair_with(joined, DoubleSided::Own).map(|repaired| repaired.turned_faces()).unwrap_or_default()
 }
 
 /// The coordinates of a point.

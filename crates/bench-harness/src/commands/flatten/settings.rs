@@ -62,8 +62,7 @@ impl Settings {
             }
         }
         if let Some(path) = &output {
-            let written = MeshFormat::ALL.into_iter().filter(|format| format.is_written());
-            check_extension("--output", path, &written.map(MeshFormat::extension).collect::<Vec<_>>())?;
+            check_extension("--output", path, &MeshFormat::extensions(MeshFormat::is_written))?;
         }
         let targets = [
             ("--output", output.as_deref()),
