@@ -6,7 +6,7 @@ use super::{SurfaceHints, Unwrap, UnwrapError};
 use crate::FlattenError;
 use abf_control::Checkpoint;
 use abf_cut::{Chart, Repaired};
-use abf_mesh::{CornerId, FaceId, Point2, UvMap, Vector2};
+use abf_mesh::{CornerId, DisjointSets, FaceId, Point2, UvMap, Vector2};
 
 /// About the part of a page that charts cover.
 const COVERED: f64 = 0.5;
@@ -88,23 +88,18 @@ fn slices(
         ((middle - low) / length * count).clamp(0.0, count - 1.0) as u32
     };
     let faces = chart.faces.len();
-    let mut slice_of: Vec<u32> = (0..faces).map(slice).collect();
     let neighbours = neighbours(&chart.uv);
     let is_kept = |f: usize, k: usize| may_not_cut(component, chart.faces[f].corner(k));
     // Triangles of a polygon go with the first of them.
-    let mut is_settled = false;
-    while !is_settled {
-        is_settled = true;
-        for f in 0..faces {
-            for (k, g) in neighbours[f].iter().enumerate() {
-                let Some(g) = g.filter(|&g| g < f && slice_of[g] != slice_of[f]) else { continue };
-                if is_kept(f, k) {
-                    slice_of[f] = slice_of[g];
-                    is_settled = false;
-                }
+    let mut polygons = DisjointSets::new(faces);
+    for f in 0..faces {
+        for (k, g) in neighbours[f].iter().enumerate() {
+            if let Some(g) = g.filter(|_| is_kept(f, k)) {
+                polygons.unite(f, g);
             }
         }
     }
+    let slice_of: Vec<u32> = (0..faces).map(|f| slice(polygons.find(f))).collect();
     let mut is_seen = vec![false; faces];
     let mut parts = Vec::new();
     for seed in 0..faces {

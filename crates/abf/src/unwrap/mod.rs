@@ -55,7 +55,7 @@ pub struct Unwrap {
     /// them first, and across sharper ones as long as nothing meets in the plane. In [0, π].
     pub crease_angle: f64,
     /// A chart longer than so many page widths is parted, unless the mesh is one disk that stays whole: a page is as wide as the
-    /// square that all charts together cover half of. At least 1.
+    /// square that all charts together cover half of. At least 1. Below 4, boxes that unfold in one piece are parted, too.
     pub max_chart_length: Option<f64>,
     /// How many vertices a round joins to the seam, at most.
     pub terminals: usize,
@@ -86,7 +86,7 @@ impl Default for Unwrap {
             max_stretch: 1.15,
             max_seam: None,
             crease_angle: std::f64::consts::FRAC_PI_6,
-            max_chart_length: Some(2.0),
+            max_chart_length: Some(4.0),
             terminals: 3,
             spacing: 0.15,
             reach: 0.0,

@@ -30,7 +30,7 @@ pub(crate) struct ChartArgs {
     #[arg(long, hide_short_help = true, value_name = "A", help_heading = CHARTS)]
     pub(crate) crease_angle: Option<f64>,
     /// Part charts that are longer than L page widths, where charts together cover half of a page; inf for no limit
-    /// [default: 2]
+    /// [default: 4]
     #[arg(long, hide_short_help = true, value_name = "L", help_heading = CHARTS)]
     pub(crate) max_chart_length: Option<f64>,
     /// Cut a file that is one disk, too, where its stretch is above --max-stretch; in an atlas every disk is
