@@ -1,7 +1,7 @@
 //! UVs that a mesh has, judged as a run of [`Unwrap`](crate::Unwrap) judges what it makes.
 
-use crate::atlas::{Parts, in_input};
-use abf_cut::{DoubleSided, RepairError, Repaired, Weld, repair_with, weld_within};
+use crate::atlas::{Parts, as_repaired, in_input};
+use abf_cut::{RepairError, Repaired, Weld};
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap, VertexId};
 use abf_metrics::{Metrics, MetricsError, Precision, certify_stored, measure_certified};
 use std::collections::HashMap;
@@ -53,12 +53,8 @@ pub struct JudgeSettings<'a> {
 pub fn judge(mesh: &TriMesh, uv: &UvMap, settings: &JudgeSettings<'_>) -> Result<Judgement, JudgeError> {
     let JudgeSettings { weld: rule, objects, precision } = *settings;
     let objects = objects.filter(|objects| objects.len() == mesh.face_count());
-    let in_range = mesh.in_range();
-    let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
-    let welded = weld_within(working, rule.scaled(scale), objects);
-    let joined = welded.as_ref().map_or(working, |welded| &welded.mesh);
-    let repaired = repair_with(joined, DoubleSided::Own)?;
-    let is_shared = sharing(joined, uv, &repaired);
+    let (joined, repaired) = as_repaired(mesh, rule, objects)?;
+    let is_shared = sharing(&joined, uv, &repaired);
     let mut turned = repaired.turned_faces();
     turned.retain(|f| !is_shared[f.index()]);
     let is_judged = |f: &FaceId| !is_shared[f.index()] && !is_in_one_point(mesh, uv, *f);
@@ -108,6 +104,7 @@ mod tests {
     use super::*;
     use crate::{Atlas, SurfaceHints, Unwrap};
     use abf_control::Silent;
+    use abf_cut::DoubleSided;
     use abf_mesh::Point3;
 
     /// A sheet of 4 × 4 squares in space with its back, one face of the front turned around.

@@ -209,8 +209,7 @@ impl Laid {
 
 /// Where a point of a chart is put, in units of the mesh.
 fn placed(at: Placement, p: Point2<f64>) -> Point2<f64> {
-    let Placement { page, turn, low, texel: corner } = at;
-    Point2::from(abf_pack::Placement { page, turn, low: [low.x, low.y], corner }.texel([p.x, p.y], 1.0))
+    at.scaled(p, 1.0)
 }
 
 /// By what the UVs have to be multiplied to have the area of the surface; 1 if they have it.

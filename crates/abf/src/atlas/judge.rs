@@ -1,8 +1,10 @@
 //! What is proved of packed charts, and how distorted they are.
 
 use crate::unwrap::UnwrappedChart;
+use abf_cut::{DoubleSided, RepairError, Repaired, Weld, repair_with, weld_within};
 use abf_mesh::{FaceId, Point2, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify_stored, measure_certified};
+use std::borrow::Cow;
 
 /// Judges faces of a mesh with its map: exactly, as stored.
 pub(crate) struct Judge<'a> {
@@ -64,6 +66,25 @@ impl<'a> Judge<'a> {
         let [width, height] = sides.map(|side| f64::from(side) / f64::from(sides[0].max(sides[1])));
         measure_certified(&part, &map.mapped(|p| Point2::new(p.x * width, p.y * height)), certificate)
     }
+}
+
+/// A mesh with vertices in one place joined, and what repair makes of that: as [`Unwrap`](crate::Unwrap) begins. Faces on
+/// others are kept.
+pub(crate) fn as_repaired<'m>(
+    mesh: &'m TriMesh,
+    rule: Weld,
+    objects: Option<&[u32]>,
+) -> Result<(Cow<'m, TriMesh>, Repaired), RepairError> {
+    let (working, scale) = match mesh.in_range() {
+        Some((scaled, scale)) => (Cow::Owned(scaled), scale),
+        None => (Cow::Borrowed(mesh), 1.0),
+    };
+    let joined = match weld_within(&working, rule.scaled(scale), objects) {
+        Some(welded) => Cow::Owned(welded.mesh),
+        None => working,
+    };
+    let repaired = repair_with(&joined, DoubleSided::Own)?;
+    Ok((joined, repaired))
 }
 
 fn sorted(faces: &[FaceId]) -> Vec<FaceId> {

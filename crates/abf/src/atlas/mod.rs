@@ -11,7 +11,7 @@ use abf_metrics::{Metrics, MetricsError, Precision};
 use abf_pack::{Effort, PackError, PackSettings, Packing, Piece};
 use abf_parallel::prelude::*;
 use judge::Judge;
-pub(crate) use judge::{Parts, in_input};
+pub(crate) use judge::{Parts, as_repaired, in_input};
 use std::collections::HashMap;
 
 /// How charts are laid out in the unit square.
@@ -152,11 +152,16 @@ pub struct Placement {
 
 impl Placement {
     fn place(&self, p: Point2<f64>, texels_per_unit: f64, sides: [u32; 2]) -> Point2<f64> {
+        let at = self.scaled(p, texels_per_unit);
+        // The last bits may point out of the page.
+        Point2::new(at.x / f64::from(sides[0]), at.y / f64::from(sides[1])).map(|x| x.clamp(0.0, 1.0))
+    }
+
+    /// Where a point of the chart is put, in texels if a unit has so many.
+    pub(crate) fn scaled(&self, p: Point2<f64>, texels_per_unit: f64) -> Point2<f64> {
         let Self { page, turn, low, texel: corner } = *self;
         let placed = abf_pack::Placement { page, turn, low: [low.x, low.y], corner };
-        // The last bits may point out of the page.
-        let [x, y] = placed.texel([p.x, p.y], texels_per_unit);
-        Point2::new(x / f64::from(sides[0]), y / f64::from(sides[1])).map(|x| x.clamp(0.0, 1.0))
+        Point2::from(placed.texel([p.x, p.y], texels_per_unit))
     }
 }
 

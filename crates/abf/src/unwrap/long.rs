@@ -7,6 +7,7 @@ use crate::FlattenError;
 use abf_control::Checkpoint;
 use abf_cut::{Chart, Repaired};
 use abf_mesh::{CornerId, DisjointSets, FaceId, Point2, UvMap, Vector2};
+use std::collections::BTreeMap;
 
 /// About the part of a page that charts cover.
 const COVERED: f64 = 0.5;
@@ -92,32 +93,27 @@ fn slices(
     let is_kept = |f: usize, k: usize| may_not_cut(component, chart.faces[f].corner(k));
     // Triangles of a polygon go with the first of them.
     let mut polygons = DisjointSets::new(faces);
-    for f in 0..faces {
-        for (k, g) in neighbours[f].iter().enumerate() {
+    for (f, around) in neighbours.iter().enumerate() {
+        for (k, g) in around.iter().enumerate() {
             if let Some(g) = g.filter(|_| is_kept(f, k)) {
                 polygons.unite(f, g);
             }
         }
     }
     let slice_of: Vec<u32> = (0..faces).map(|f| slice(polygons.find(f))).collect();
-    let mut is_seen = vec![false; faces];
+    let mut connected = DisjointSets::new(faces);
+    for (f, around) in neighbours.iter().enumerate() {
+        for &g in around.iter().flatten().filter(|&&g| slice_of[g] == slice_of[f]) {
+            connected.unite(f, g);
+        }
+    }
+    // By the first face of each, the faces ascending.
+    let mut places_of: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    (0..faces).for_each(|f| places_of.entry(connected.find(f)).or_default().push(f));
     let mut parts = Vec::new();
-    for seed in 0..faces {
-        if std::mem::replace(&mut is_seen[seed], true) {
-            continue;
-        }
-        let (mut places, mut next) = (vec![seed], 0);
-        while let Some(&f) = places.get(next) {
-            next += 1;
-            for g in neighbours[f].into_iter().flatten().filter(|&g| slice_of[g] == slice_of[f]) {
-                if !std::mem::replace(&mut is_seen[g], true) {
-                    places.push(g);
-                }
-            }
-        }
-        places.sort_unstable();
+    for places in places_of.values() {
         // A part without area has no map of its own.
-        match part_of(&component.mesh, chart, &chart.faces, &places, checkpoint) {
+        match part_of(&component.mesh, chart, &chart.faces, places, checkpoint) {
             Ok(part) => parts.push(part),
             Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
             Err(_) => return Ok(Vec::new()),

@@ -2,10 +2,9 @@
 
 use super::args::{ChartArgs, SeamsFrom};
 use super::packing::atlas_of;
-use super::targets::check_extension;
+use super::targets::{check_extension, is_gltf};
 use super::usage::usage;
 use abf::{Atlas, AtlasPages, SeamRule, Unwrap};
-use abf_mesh::io::MeshFormat;
 use clap::error::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -40,7 +39,6 @@ impl Charting {
         let is_asked = args.is_asked();
         let unwrap = Unwrap::default();
         let wrong = |message: String| Err(usage(ErrorKind::ValueValidation, message));
-        let is_gltf = |path: &Path| MeshFormat::from_path(path).is_some_and(MeshFormat::is_gltf);
         let to_gltf = output.is_some_and(is_gltf);
         if args.disks_only && to_gltf {
             let message = "a glTF takes an atlas: leave out --disks-only, or write an obj or ply";

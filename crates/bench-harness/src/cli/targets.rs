@@ -1,6 +1,7 @@
 //! Where results go, and checks that they can go there together.
 
 use super::usage::usage;
+use abf_mesh::io::MeshFormat;
 use clap::error::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -94,4 +95,9 @@ pub(crate) fn check_distinct(targets: &[(&str, Option<&Path>)], inputs: &[PathBu
 fn same_file(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
     real(a) == real(b)
+}
+
+/// Whether a file is a glTF, by its name.
+pub(crate) fn is_gltf(path: &Path) -> bool {
+    MeshFormat::from_path(path).is_some_and(MeshFormat::is_gltf)
 }

@@ -2,7 +2,7 @@
 
 use crate::cli::args::PackArgs;
 use crate::cli::packing::atlas_of;
-use crate::cli::targets::{JsonTarget, check_distinct, check_extension};
+use crate::cli::targets::{JsonTarget, check_distinct, check_extension, is_gltf};
 use crate::cli::typed::Typed;
 use crate::cli::usage::usage;
 use crate::record::failure::Failure;
@@ -16,7 +16,7 @@ use crate::show::{console, files, show, table};
 use abf::{AtlasPages, Precision, Repack};
 use abf_mesh::io::MeshFormat;
 use clap::error::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Everything the command needs to know.
@@ -43,7 +43,6 @@ impl Settings {
         }
         if let Some(path) = &args.remap {
             check_extension("--remap", path, &["json"])?;
-            let is_gltf = |path: &Path| MeshFormat::from_path(path).is_some_and(MeshFormat::is_gltf);
             if !(is_gltf(&args.mesh) && args.output.as_deref().is_some_and(is_gltf)) {
                 let message = "--remap concerns a glTF that is read and written as one: name it, and -o FILE.glb";
                 return Err(usage(ErrorKind::ArgumentConflict, message));
@@ -98,7 +97,7 @@ fn fill(settings: &Settings, loaded: &Loaded, record: &mut Record, cancel: &Canc
     let uv = loaded.uv().ok_or_else(|| Failure::no_uv(&loaded.name, loaded.uv_dropped(), "pack"))?;
     let by_material = settings.repack.atlas.pages == AtlasPages::PerMaterial;
     let materials = loaded.known_of_faces(false).materials.filter(|_| by_material);
-    let to_gltf = settings.output.as_deref().and_then(MeshFormat::from_path).is_some_and(MeshFormat::is_gltf);
+    let to_gltf = settings.output.as_deref().is_some_and(is_gltf);
     let packed = settings.repack.run(loaded.sized(), uv, materials.as_deref(), stored(to_gltf, Precision::Double));
     let packed = packed.map_err(|error| Failure::atlas(&loaded.name, &error))?;
     // Packing is one call: who asks to stop during it gets no file.

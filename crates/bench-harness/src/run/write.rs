@@ -1,5 +1,6 @@
 //! A mesh with its UVs, to a file.
 
+use crate::cli::targets::is_gltf;
 use crate::record::failure::Failure;
 use crate::record::number::count;
 use crate::run::load::Loaded;
@@ -55,7 +56,7 @@ pub(crate) fn write(path: &Path, loaded: &Loaded, uv: &UvMap, overwrite: bool) -
                 .to_owned(),
         );
     }
-    let to_gltf = MeshFormat::from_path(path).is_some_and(MeshFormat::is_gltf);
+    let to_gltf = is_gltf(path);
     let merged = if to_gltf { merged_faces(loaded.mesh()) } else { 0 };
     if merged > 0 {
         let faces = count(merged, "face has", "faces have");

@@ -5,9 +5,9 @@ mod islands;
 mod overlapping;
 mod stacked;
 
-use super::judge::Judge;
+use super::judge::{Judge, as_repaired};
 use super::{Atlas, AtlasError, NarrowPlace, Placement, Stored};
-use abf_cut::{DoubleSided, Weld, repair_with, weld};
+use abf_cut::Weld;
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap};
 use abf_metrics::{Metrics, Precision};
 use abf_pack::{Packing, Piece};
@@ -92,7 +92,9 @@ impl Repack {
     ) -> Result<Repacked, AtlasError> {
         let atlas = &self.atlas;
         atlas.check()?;
-        let turned = turned_by_repair(mesh);
+        // Faces that repair turns around are judged so. Where it leaves nothing, nothing was turned.
+        let repaired = as_repaired(mesh, Weld::Auto, None);
+        let turned = repaired.map(|(_, repaired)| repaired.turned_faces()).unwrap_or_default();
         let islands = Islands::find(mesh, &turned, uv, precision)?;
         let group =
             atlas.groups(mesh, islands.faces.iter().map(Vec::as_slice), || islands.components(mesh), materials)?;
@@ -158,16 +160,6 @@ impl Repack {
             spoilt.into_iter().for_each(|number| pieces[number].keeps_its_angle = true);
         }
     }
-}
-
-/// The faces that the repair of [`Unwrap`](crate::Unwrap) turns around: they are judged the other way around.
-fn turned_by_repair(mesh: &TriMesh) -> Vec<FaceId> {
-    let in_range = mesh.in_range();
-    let working = in_range.as_ref().map_or(mesh, |(scaled, _)| scaled);
-    let welded = weld(working, Weld::Auto);
-    let joined = welded.as_ref().map_or(working, |welded| &welded.mesh);
-    // Where nothing is left after repair, nothing was turned.
-    repair_with(joined, DoubleSided::Own).map(|repaired| repaired.turned_faces()).unwrap_or_default()
 }
 
 /// The coordinates of a point.
