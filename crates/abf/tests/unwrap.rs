@@ -363,3 +363,26 @@ fn a_long_chart_is_parted_where_it_would_set_the_density_of_all_and_only_in_an_a
     let kept = in_atlas.run(&strip, &hints, &mut Silent).expect("charts");
     assert!(kept.charts.len() > 1 && kept.charts.iter().all(|chart| chart.faces.len() % 2 == 0));
 }
+
+#[test]
+fn a_long_chart_of_large_polygons_is_parted_between_them_whatever_the_order_of_their_triangles() {
+    let points: Vec<[f64; 3]> = (0..802).map(|i| [f64::from(i / 2), f64::from(i % 2), 0.0]).collect();
+    // Triangle t of the strip is the face 7 t mod 800. Ten squares in a row are a polygon.
+    let triangle = |t: usize| {
+        let a = t / 2 * 2;
+        if t.is_multiple_of(2) { [a, a + 2, a + 3] } else { [a, a + 3, a + 1] }
+    };
+    let mut faces = vec![[0; 3]; 800];
+    (0..800).for_each(|t| faces[7 * t % 800] = triangle(t));
+    let strip = mesh(&points, &faces);
+    // The corners that face the diagonal, and the next or the last square.
+    let is_inside =
+        |t: usize| if t.is_multiple_of(2) { [t % 20 != 18, true, false] } else { [false, t % 20 != 1, true] };
+    let mut inside = vec![false; 2400];
+    (0..800).for_each(|t| inside[3 * (7 * t % 800)..][..3].copy_from_slice(&is_inside(t)));
+    let hints = SurfaceHints { forbidden: Some(&inside), ..SurfaceHints::default() };
+    let in_atlas = Unwrap { cut_disks: true, max_chart_length: Some(2.0), ..Unwrap::default() };
+    let parted = in_atlas.run(&strip, &hints, &mut Silent).expect("charts");
+    assert!(parted.parted == 1 && parted.charts.len() > 1, "{} charts", parted.charts.len());
+    assert!(parted.charts.iter().all(|chart| chart.faces.len().is_multiple_of(20) && chart.metrics.injective()));
+}
