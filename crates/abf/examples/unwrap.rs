@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout, reason = "an example shows what it did")]
 
 use abf::mesh::io;
-use abf::{Atlas, Precision, Silent, SurfaceHints, Unwrap};
+use abf::{Atlas, Silent, Stored, SurfaceHints, Unwrap};
 use std::error::Error;
 use std::path::Path;
 
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             metrics.f,
             metrics.stretch_l2,
             if chart.is_certified() { "certified" } else { "not certified" },
-            metrics.overlaps(),
+            metrics.certificate.overlaps(),
             chart.rounds,
             chart.holes_filled
         );
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("seams: {:.3} of the diagonal", unwrapped.seam_length / unwrapped.diagonal);
 
     // OBJ and PLY store doubles; `mesh::io::stored_uv` is what glTF makes of a UV.
-    let packed = Atlas::default().pack(&mesh, &unwrapped, None, (|p| p, Precision::Double))?;
+    let packed = Atlas::default().pack(&mesh, &unwrapped, None, Stored::default())?;
     println!("{:.0}% of the page covered, without overlap {}", 100.0 * packed.coverage, packed.metrics.injective());
     let uv = packed.uv;
     io::write(Path::new(&output), &mesh, Some(&uv))?;

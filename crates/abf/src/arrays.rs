@@ -1,11 +1,11 @@
 //! Positions and indices in, UVs and a remap out: what engines keep meshes in.
 
-use crate::atlas::{Atlas, AtlasError, AtlasPages, Packed};
+use crate::atlas::{Atlas, AtlasError, AtlasPages, Packed, Stored};
 use crate::unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped};
 use crate::{Pipeline, Solver};
 use abf_control::{Observer, Silent};
 use abf_cut::{DoubleSided, Weld};
-use abf_mesh::{GeometryError, Point2, Point3, TriMesh};
+use abf_mesh::{GeometryError, Point3, TriMesh};
 use abf_metrics::Precision;
 use std::collections::HashMap;
 
@@ -79,6 +79,7 @@ pub enum ArrayError {
 
 /// A mesh as arrays, with UVs.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct UnwrappedArrays {
     /// One UV per new vertex, in `[0, 1]²`, v upwards.
     pub uvs: Vec<[f32; 2]>,
@@ -217,11 +218,10 @@ impl ArrayUnwrapper {
         }
         let mesh = match self.unwrap.weld {
             Weld::Off => separate(positions, triangles)?,
-            Weld::Auto | Weld::Within(_) => welded(positions, triangles)?,
+            _ => welded(positions, triangles)?,
         };
         let unwrapped = self.unwrap.run(&mesh, hints, observer)?;
-        let stored = |p: Point2<f64>| p.map(|x| Precision::Single.round(x));
-        let packed = self.atlas.pack(&mesh, &unwrapped, hints.face_labels, (stored, Precision::Single))?;
+        let packed = self.atlas.pack(&mesh, &unwrapped, hints.face_labels, Stored::in_precision(Precision::Single))?;
         let (indices, remap, uvs) = split(positions.len(), indices, &packed);
         Ok(UnwrappedArrays { uvs, indices, remap, packed, unwrapped })
     }

@@ -10,6 +10,7 @@ use abf_solve_core::AngleSolution;
 
 /// A flattened mesh.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Flattening {
     /// One UV per vertex, in the precision asked for.
     pub uv: UvMap,
@@ -40,6 +41,7 @@ pub struct Flattening {
 
 /// What one solver of the ladder [`SolverKind::Auto`] came to.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RungReport {
     /// Which solver.
     pub solver: SolverKind,
@@ -71,6 +73,7 @@ impl RungReport {
 
 /// What the layout did: [`Layout`](abf_reconstruct::Layout) without its UVs.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LayoutReport {
     /// The method that was used; never [`LayoutKind::Auto`]. `None` for the descent, whose unknowns are the UVs.
     pub kind: Option<LayoutKind>,
@@ -78,8 +81,8 @@ pub struct LayoutReport {
     pub linear_residual: Option<f64>,
     /// The largest disagreement between the two sides of an edge; `None` where nothing was integrated.
     pub closing_error: Option<f64>,
-    /// How many angles had to be moved into the open interval (0, π) to be laid out.
-    pub moved_angles: usize,
+    /// How many angles were clamped to the open interval (0, π) to be laid out.
+    pub clamped_angles: usize,
     /// Whether the first pin is at the origin and the second on the positive x-axis. Only the UVs of the descent may
     /// stand elsewhere: where moving or turning them would round triangles over, they stay.
     pub pinned: bool,

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 /// What is known of the UVs of a mesh that may need repair.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Judgement {
     /// Distortion and certificate of the faces that repair keeps, each the way around that repair gives it, without those
     /// that are [`shared`](Self::shared).
@@ -129,8 +130,7 @@ mod tests {
         for (double_sided, shared, judged) in [(DoubleSided::Own, 0, 64), (DoubleSided::Shared, 32, 32)] {
             let unwrap = Unwrap { double_sided, ..Unwrap::default() };
             let unwrapped = unwrap.run(&mesh, &SurfaceHints::default(), &mut Silent).expect("charts");
-            let stored: (crate::Stored, Precision) = (|p| p, Precision::Double);
-            let packed = Atlas::default().pack(&mesh, &unwrapped, None, stored).expect("an atlas");
+            let packed = Atlas::default().pack(&mesh, &unwrapped, None, crate::Stored::default()).expect("an atlas");
             let of_file = judge(&mesh, &packed.uv, &JudgeSettings::default()).expect("a judgement");
             assert_eq!(of_file.metrics, packed.metrics, "{double_sided}");
             assert!(of_file.metrics.injective());

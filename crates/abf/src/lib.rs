@@ -32,20 +32,12 @@ mod settings;
 mod solve_report;
 mod unwrap;
 
-pub use abf_constraints as constraints;
-pub use abf_control as control;
-pub use abf_cut as cut;
-pub use abf_embed as embed;
 pub use abf_mesh as mesh;
-pub use abf_metrics as metrics;
-pub use abf_parallel as parallel;
-pub use abf_reconstruct as reconstruct;
-pub use abf_solve_core as solve_core;
 
-pub use abf_constraints::{EstimateSettings, KktCounts, WheelForm};
+pub use abf_constraints::{GuessSettings, KktCounts, WheelForm};
 pub use abf_control::{
-    Cancelled, Event, Fallback, IterationRecord, Observer, Place, SettingError, Silent, Stage, StopCriteria,
-    Termination, UnknownName, Verdict,
+    Cancelled, Event, Fallback, IterationRecord, Observer, SettingError, Silent, Stage, StopCriteria, Termination,
+    UnknownName, UnwrapProgress, Verdict,
 };
 pub use abf_cut::{DoubleSided, Weld};
 pub use abf_metrics::{Certificate, Metrics, MetricsError, Precision};
@@ -66,6 +58,64 @@ pub use run::flatten;
 pub use settings::*;
 pub use solve_report::SolveReport;
 pub use unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped, UnwrappedChart};
+
+/// The constraints as functions of angles, for solvers of your own; settings and counts are at the root of the crate.
+pub mod constraints {
+    pub use abf_constraints::{
+        AngleProblem, ConstraintRows, Jacobian, ProblemError, RESIDUAL_CLAMP, TriangleReduction, TriangleRows,
+        WheelDerivative, angles_out_of_range, largest, linearise, max_residual, residual,
+    };
+}
+
+/// Run control for code of your own that takes long; observers and events are at the root of the crate.
+pub mod control {
+    pub use abf_control::{Checkpoint, TimeBudget, Watch, ask, at_block};
+}
+
+/// Repair, filled holes, seams and charts by themselves; the settings of [`Unwrap`] are at the root of the crate.
+pub mod cut {
+    pub use abf_cut::{
+        Chart, CostSettings, EdgeCosts, Filled, Found, HardSurface, HoleFilling, PlanarFacets, RepairError,
+        RepairReport, Repaired, Seams, Simplified, Welded, distances, extend, fill, hard_surface, hard_surface_asking,
+        label_borders, loop_length, open, outer_loop, planar_facets, repair, repair_with, simplify, simplify_asking,
+        split, two_parts, two_parts_asking, uv_borders, weld, weld_within,
+    };
+}
+
+/// Tutte's embedding, and what the descent from it does; [`Descent`] is at the root of the crate.
+pub mod embed {
+    pub use abf_embed::{
+        BoundarySpacing, DescentRecord, DescentSolution, EmbedError, StepKind, TutteEmbedding, TutteWeights, tutte,
+        vertex_points,
+    };
+}
+
+/// Distortion and validity of any UV map; what they come to, [`Metrics`] and [`Certificate`], is at the root of the crate.
+pub mod metrics {
+    pub use abf_metrics::{
+        FaceDistortion, Orientation, certify, certify_asking, certify_connected, certify_connected_asking,
+        certify_stored, charts, measure, measure_certified, per_face,
+    };
+}
+
+/// How many threads a call takes.
+pub mod parallel {
+    pub use abf_parallel::{PoolError, current_num_threads, with_threads};
+}
+
+/// From angles to coordinates; which layout is asked for is at the root of the crate.
+pub mod reconstruct {
+    pub use abf_reconstruct::{ANGLE_CLAMP, Layout, LayoutError, Pins, aligned, layout, layout_asking};
+}
+
+/// The parts that solvers are made of; the settings they share are at the root of the crate.
+pub mod solve_core {
+    pub use abf_solve_core::{
+        ConstraintProducts, DirectStep, FrozenStep, KktStep, KktSystem, KktVector, LeastCorrection, LinearError,
+        LinearStats, Linearisation, Preconditioning, ProductCurvature, ReducedSystem, SchurComplement, SolveError,
+        StepError, StepReport, add_transposed_product, constraint_residual,
+    };
+}
 
 /// The code in the documents compiles and runs.
 #[cfg(all(doctest, feature = "io"))]

@@ -1,9 +1,9 @@
 //! Charts side by side in units of the mesh: what is cut from a sheet.
 
+use crate::Flattening;
 use crate::atlas::judge::Judge;
 use crate::atlas::{AtlasError, Placement, Stored, outline_of};
 use crate::unwrap::Unwrapped;
-use crate::{Flattening, Precision};
 use abf_control::UnknownName;
 use abf_mesh::{CornerId, FaceId, Point2, TriMesh, UvId, UvMap};
 use abf_metrics::{Metrics, measure_certified};
@@ -60,6 +60,7 @@ pub struct Pattern {
 )]
 #[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum Orient {
     /// Each into its tightest box, a single one lying on the longer side of it.
     #[default]
@@ -70,6 +71,7 @@ pub enum Orient {
 
 /// Charts in real units.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Laid {
     /// One UV for every corner of the input, in units of the mesh, as it will be stored.
     pub uv: UvMap,
@@ -88,6 +90,7 @@ pub struct Laid {
 
 /// The surface that is laid out, for drawing: the faces that are in charts, each as it is in the plane.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Developed {
     /// The vertices of the input, and the faces that are in charts, counter-clockwise in the plane.
     pub mesh: TriMesh,
@@ -103,7 +106,7 @@ impl Pattern {
     /// # Errors
     /// [`AtlasError`]: the gap is no length, or the UVs cannot be judged.
     pub fn lay(&self, mesh: &TriMesh, unwrapped: &Unwrapped) -> Result<Laid, AtlasError> {
-        self.lay_stored(mesh, unwrapped, (|p| p, Precision::Double))
+        self.lay_stored(mesh, unwrapped, Stored::default())
     }
 
     /// The same for a format that stores points in its own way; they are certified in its precision.
@@ -112,12 +115,7 @@ impl Pattern {
     ///
     /// # Errors
     /// As [`Self::lay`].
-    pub fn lay_stored(
-        &self,
-        mesh: &TriMesh,
-        unwrapped: &Unwrapped,
-        (stored, precision): (Stored, Precision),
-    ) -> Result<Laid, AtlasError> {
+    pub fn lay_stored(&self, mesh: &TriMesh, unwrapped: &Unwrapped, stored: Stored) -> Result<Laid, AtlasError> {
         let charts = &unwrapped.charts;
         let keeps_its_angle = self.orient == Orient::Keep;
         let piece = |chart| Piece { polygons: outline_of(chart), group: 0, keeps_its_angle };
@@ -125,10 +123,10 @@ impl Pattern {
         let gap = self.gap.unwrap_or_else(|| GAP * longest(charts.iter().map(|chart| &chart.uv)));
         let every_face = [charts.iter().flat_map(|chart| chart.faces.iter().copied()).collect()];
         loop {
-            let SideBySide { placements, size } = side_by_side(&pieces, gap).map_err(AtlasError::Pack)?;
+            let SideBySide { placements, size, .. } = side_by_side(&pieces, gap).map_err(AtlasError::Pack)?;
             let placements: Vec<Placement> = placements.into_iter().map(Placement::from).collect();
-            let uv = unwrapped.assemble(|i, p| stored(placed(placements[i], p)));
-            let mut judge = Judge::new(mesh, &unwrapped.turned, &uv, precision);
+            let uv = unwrapped.assemble(|i, p| stored.point(placed(placements[i], p)));
+            let judge = Judge::new(mesh, &unwrapped.turned, &uv, stored.precision());
             let certificate = judge.certificate(&every_face)?;
             let mut spoilt = judge.spoilt(charts, &certificate)?;
             spoilt.retain(|&i| !pieces[i].keeps_its_angle);
@@ -155,7 +153,7 @@ impl Pattern {
         let scale = to_scale(mesh, &flat.uv);
         let scaled = flat.uv.clone().mapped(|p| p * scale);
         let piece = Piece { keeps_its_angle: self.orient == Orient::Keep, ..Piece::new(vec![places(&scaled)]) };
-        let SideBySide { placements, size } =
+        let SideBySide { placements, size, .. } =
             side_by_side(&[piece], self.gap.unwrap_or(0.0)).map_err(AtlasError::Pack)?;
         let placement = Placement::from(placements[0]);
         let as_it_was = Placement { turn: [1.0, 0.0], low: Point2::origin(), ..placement };
@@ -323,9 +321,7 @@ mod tests {
         assert!(worst(&mesh, &laid.uv) < 1e-8 && laid.metrics.injective());
         let box_of = |chart: u32| {
             let faces = laid.chart_of.iter().enumerate().filter(|(_, of)| **of == Some(chart));
-            let points: Vec<Point2<f64>> = faces.flat_map(|(f, _)| laid.uv.triangle(FaceId::new(f))).collect();
-            let low = points.iter().fold(points[0], |low, p| low.inf(p));
-            (low, points.iter().fold(points[0], |high, p| high.sup(p)))
+            abf_mesh::bounds(faces.flat_map(|(f, _)| laid.uv.triangle(FaceId::new(f)))).expect("points")
         };
         let ((a, b), (c, d)) = (box_of(0), box_of(1));
         let apart = (c.x - b.x).max(a.x - d.x).max(c.y - b.y).max(a.y - d.y);

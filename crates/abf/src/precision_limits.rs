@@ -9,6 +9,7 @@ const MOST_SPREAD: f64 = 1e12;
 
 /// Why double precision, and not the method, is what a drawing suffers from.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PrecisionLimits {
     /// Triangles whose area is within the rounding of their coordinates: valid as they are, but not safe from another
     /// rounding ([`Certificate::near_collapsed`]).

@@ -32,8 +32,8 @@ pub struct SolveReport {
     pub negative_curvature: Option<usize>,
     /// Iterations that gave up the exact Hessian.
     pub fallbacks: Option<usize>,
-    /// Angles moved into their bounds: between passes by the solver, and before the layout.
-    pub moved_angles: usize,
+    /// Angles clamped to their bounds: between passes by the solver, and before the layout.
+    pub clamped_angles: usize,
     /// Rings that started from their target angles because of their deficit.
     pub switched_rings: usize,
     /// Triangles without a shape, solved for as thin ones.
@@ -60,7 +60,7 @@ impl Flattening {
             inner_unconverged: history.iter().filter(|record| !record.inner_converged).count(),
             negative_curvature: solution.map(AngleSolution::negative_curvature),
             fallbacks: solution.map(AngleSolution::fallbacks),
-            moved_angles: solution.map_or(0, AngleSolution::moved_angles) + self.layout.moved_angles,
+            clamped_angles: solution.map_or(0, AngleSolution::clamped_angles) + self.layout.clamped_angles,
             switched_rings: self.switched_rings,
             shapeless_faces: self.shapeless_faces,
         }

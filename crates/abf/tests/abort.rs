@@ -2,7 +2,8 @@
 
 use abf::mesh::TriMesh;
 use abf::{
-    Cancelled, Event, FlattenError, Observer, Pipeline, Place, Solver, SurfaceHints, Unwrap, UnwrapError, Verdict,
+    Cancelled, Event, FlattenError, Observer, Pipeline, Solver, SurfaceHints, Unwrap, UnwrapError, UnwrapProgress,
+    Verdict,
 };
 use abf_shapes::Shape;
 
@@ -10,7 +11,7 @@ use abf_shapes::Shape;
 struct AbortAt {
     question: usize,
     asked: usize,
-    last: Option<Place>,
+    last: Option<UnwrapProgress>,
     /// The largest round there was.
     round: usize,
 }
@@ -27,7 +28,7 @@ impl Observer for AbortAt {
         if self.asked >= self.question { Verdict::Abort } else { Verdict::Continue }
     }
 
-    fn observe_at(&mut self, place: Place, event: Event<'_>) -> Verdict {
+    fn observe_at(&mut self, place: UnwrapProgress, event: Event<'_>) -> Verdict {
         self.last = Some(place);
         self.round = self.round.max(place.round);
         self.observe(event)

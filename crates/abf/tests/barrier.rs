@@ -1,6 +1,6 @@
 //! The interior point method on whole shapes.
 
-use abf_constraints::{AngleProblem, EstimateSettings};
+use abf_constraints::{AngleProblem, GuessSettings};
 use abf_control::{Event, Observer, SettingError, Silent, StopCriteria, Termination, Verdict};
 use abf_mesh::{Point3, Topology, TriMesh, VertexId};
 use abf_reconstruct::{LayoutKind, LayoutSettings, layout};
@@ -12,7 +12,7 @@ use std::time::Duration;
 
 fn with_problem<T>(mesh: &TriMesh, body: impl FnOnce(&AngleProblem<'_>) -> T) -> T {
     let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-    let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+    let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk");
     body(&problem)
 }
 
@@ -29,7 +29,7 @@ fn flips(mesh: &TriMesh, angles: &[f64], kind: LayoutKind) -> usize {
     let settings = LayoutSettings { kind, ..LayoutSettings::default() };
     let map = layout(mesh, &topology, angles, &settings).expect("a layout");
     let metrics = abf_metrics::measure(mesh, &map.uv).expect("metrics");
-    metrics.flips + metrics.collapsed
+    metrics.certificate.flips + metrics.certificate.collapsed
 }
 
 /// The shape, eight times as high: angles that want to leave (0, π).

@@ -3,7 +3,7 @@
 use abf::constraints::AngleProblem;
 use abf::mesh::{Topology, TriMesh};
 use abf::{
-    AngleSolution, AngleSolver, Barrier, EstimateSettings, Event, IterativeSettings, Minres, Observer, Silent, Solver,
+    AngleSolution, AngleSolver, Barrier, Event, GuessSettings, IterativeSettings, Minres, Observer, Silent, Solver,
     SolverKind, StopCriteria, Termination, Uzawa, Verdict,
 };
 use abf_shapes::Shape;
@@ -50,7 +50,7 @@ impl AngleSolver for OfAngles {
 
 fn with_problem<T>(mesh: &TriMesh, body: impl FnOnce(&AngleProblem<'_>) -> T) -> T {
     let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-    let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+    let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk");
     body(&problem)
 }
 

@@ -9,14 +9,14 @@ mod support;
 use abf::constraints::AngleProblem;
 use abf::mesh::{Topology, TriMesh};
 use abf::{
-    AngleSolution, EstimateSettings, Hessian, InnerTolerance, IterativeSettings, Pipeline, PreconditionerKind,
-    Reduction, Silent, SolverKind, Termination, WheelForm,
+    AngleSolution, GuessSettings, Hessian, InnerTolerance, IterativeSettings, Pipeline, PreconditionerKind, Reduction,
+    Silent, SolverKind, Termination, WheelForm,
 };
 use support::{models, read};
 
 fn solve(pipeline: &Pipeline, mesh: &TriMesh) -> AngleSolution {
     let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-    let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+    let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk");
     let solver = pipeline.solver.angle_solver().expect("solves for angles");
     solver.solve(&problem, &pipeline.stop, &mut Silent).expect("angles")
 }

@@ -1,6 +1,6 @@
 //! MINRES and Uzawa, each against a direct solve of the same steps, and as solvers.
 
-use abf_constraints::{AngleProblem, EstimateSettings, WheelForm};
+use abf_constraints::{AngleProblem, GuessSettings, WheelForm};
 use abf_control::{Event, Fallback, Observer, Silent, StopCriteria, Termination, Verdict, Watch};
 use abf_mesh::Topology;
 use abf_shapes::Shape;
@@ -14,7 +14,7 @@ use abf_solve_uzawa::{Uzawa, UzawaStep};
 const REDUCTIONS: [Reduction; 2] = [Reduction::None, Reduction::Triangles];
 const PRECONDITIONERS: [PreconditionerKind; 3] =
     [PreconditionerKind::None, PreconditionerKind::Jacobi, PreconditionerKind::Block];
-/// Shapes on which Newton converges from the estimate.
+/// Shapes on which Newton converges from the initial guess.
 const SHAPES: [(Shape, usize); 3] = [(Shape::BumpySheet, 600), (Shape::LetterX, 1_000), (Shape::SpikyField, 800)];
 
 fn every_setting() -> impl Iterator<Item = IterativeSettings> {
@@ -25,7 +25,7 @@ fn every_setting() -> impl Iterator<Item = IterativeSettings> {
 fn with_problem<R>(shape: Shape, triangles: usize, run: impl FnOnce(&AngleProblem<'_>) -> R) -> R {
     let mesh = shape.mesh(triangles);
     let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-    run(&AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk"))
+    run(&AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk"))
 }
 
 fn exact_newton() -> NewtonSettings {
@@ -259,7 +259,7 @@ fn an_inner_iteration_can_be_cancelled_and_is_the_last() {
                 let solution = solver.solve(problem, &StopCriteria::default(), &mut observer).expect("angles");
                 assert_eq!(solution.termination(), Termination::Cancelled);
                 assert_eq!((observer.after, solution.iterations()), (1, 0), "{} {settings:?}", solver.name());
-                assert_eq!(solution.angles(), problem.estimate());
+                assert_eq!(solution.angles(), problem.initial_guess());
             }
         }
     });

@@ -6,10 +6,10 @@
 
 mod support;
 
+use abf::Metrics;
 use abf::mesh::TriMesh;
-use abf::metrics::Metrics;
 use abf::{
-    EstimateSettings, Flattening, LayoutKind, LayoutSettings, LinAbf, Passes, Pipeline, Silent, Solver, Termination,
+    Flattening, GuessSettings, LayoutKind, LayoutSettings, LinAbf, Passes, Pipeline, Silent, Solver, Termination,
 };
 use support::{models, read};
 
@@ -90,8 +90,8 @@ fn bull_and_cow_have_the_papers_digits() {
     assert_eq!(format!("{:.3e}", bull.f), "5.331e-4", "LinABF table 1 prints 5.331e-4");
     let cow = read(&folder, "paper/cow.obj");
     assert_eq!(format!("{:.3e}", run(&one_pass(), &cow).1.f), "5.222e-3");
-    let no_switch = EstimateSettings { ring_switch: None, ..EstimateSettings::default() };
-    let without = Pipeline { estimate: no_switch, ..one_pass() };
+    let no_switch = GuessSettings { ring_switch: None, ..GuessSettings::default() };
+    let without = Pipeline { initial_guess: no_switch, ..one_pass() };
     assert_eq!(format!("{:.3e}", run(&without, &cow).1.f), "5.246e-3");
 }
 
@@ -111,7 +111,7 @@ fn linabf_converges_without_flips_on_every_disk_but_dino() {
             flat.layout.kind.expect("angles are laid out"),
             metrics.f,
             metrics.stretch_l2,
-            metrics.flips
+            metrics.certificate.flips
         );
         let converged = solution.termination() == Termination::Converged && solution.constraint_residual() <= 1e-8;
         if !converged || !metrics.valid() {

@@ -179,13 +179,13 @@ fn thin_triangles_on_curved_sheets_are_bounded_where_that_is_better() {
     points[a.index()] = points[b.index()] + (points[a.index()] - points[b.index()]) * 1e-4;
     let faces: Vec<_> = sheet.faces().iter().map(|f| f.map(VertexId::index)).collect();
     let mesh = TriMesh::new(points, &faces).expect("indices in range");
-    let bounded = abf::EstimateSettings { keep_thin: false, ..abf::EstimateSettings::default() };
+    let bounded = abf::GuessSettings { keep_thin: false, ..abf::GuessSettings::default() };
     let l2 = |pipeline: Pipeline| {
         let flat = pipeline.run(&mesh, &mut Silent).expect("a flattening");
         flat.metrics(&mesh).expect("metrics").stretch_l2
     };
     let kept = l2(Pipeline::default());
-    assert!(kept <= l2(Pipeline { estimate: bounded, ..Pipeline::default() }) * (1.0 + 1e-6), "{kept}");
+    assert!(kept <= l2(Pipeline { initial_guess: bounded, ..Pipeline::default() }) * (1.0 + 1e-6), "{kept}");
 }
 
 #[test]

@@ -1,18 +1,18 @@
 //! What an observer is told of where the work is: enough for a bar that ends when the work ends.
 
-use abf::{Event, Observer, Place, SurfaceHints, Unwrap, Verdict};
+use abf::{Event, Observer, SurfaceHints, Unwrap, UnwrapProgress, Verdict};
 use abf_mesh::{TriMesh, Vector3, VertexId};
 use abf_shapes::Shape;
 
 #[derive(Default)]
-struct Places(Vec<Place>);
+struct Places(Vec<UnwrapProgress>);
 
 impl Observer for Places {
     fn observe(&mut self, _: Event<'_>) -> Verdict {
         Verdict::Continue
     }
 
-    fn observe_at(&mut self, place: Place, _: Event<'_>) -> Verdict {
+    fn observe_at(&mut self, place: UnwrapProgress, _: Event<'_>) -> Verdict {
         self.0.push(place);
         Verdict::Continue
     }
@@ -35,12 +35,12 @@ fn the_faces_that_are_done_grow_to_all_of_them_and_every_event_says_which_piece_
     let unwrap = Unwrap { max_stretch: 1.02, ..Unwrap::default() };
     let charts = unwrap.run(&mesh, &SurfaceHints::default(), &mut places).expect("charts").charts;
     // What is asked before there are components has no place.
-    let places: Vec<Place> = places.0.into_iter().filter(|place| place.components > 0).collect();
+    let places: Vec<UnwrapProgress> = places.0.into_iter().filter(|place| place.components > 0).collect();
     let last = places.last().expect("events");
     assert_eq!((last.components, last.components_done, last.faces), (2, 2, mesh.face_count()));
     assert_eq!(last.faces_done, last.faces, "{last:?}");
     assert!(places.windows(2).all(|two| two[0].faces_done <= two[1].faces_done), "the bar never goes back");
-    let is_possible = |place: &Place| {
+    let is_possible = |place: &UnwrapProgress| {
         place.component < place.components && place.chart < place.charts && place.charts_done <= place.charts
     };
     assert_eq!(places.iter().find(|place| !is_possible(place)), None);

@@ -1,7 +1,8 @@
 //! Any mesh in: what comes out, and how it maps back.
 
-use abf::cut::{DoubleSided, HoleFilling, Weld};
+use abf::cut::HoleFilling;
 use abf::mesh::{CornerId, FaceId, Point3, Topology, TriMesh, UvId, UvMap, VertexId};
+use abf::{DoubleSided, Weld};
 use abf::{
     Event, FlattenError, HoleRule, Observer, Pipeline, SeamRule, Silent, SurfaceHints, Unwrap, UnwrapError, Unwrapped,
     Verdict,

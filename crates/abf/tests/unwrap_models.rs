@@ -9,7 +9,9 @@ mod support;
 use abf::cut::{HoleFilling, outer_loop};
 use abf::mesh::{CornerId, Topology, TriMesh, UvMap, VertexId, io};
 use abf::metrics::{measure, per_face};
-use abf::{Atlas, HoleRule, Precision, Silent, SurfaceHints, Unwrap, UnwrapError, Unwrapped, UnwrappedChart, Weld};
+use abf::{
+    Atlas, HoleRule, Precision, Silent, Stored, SurfaceHints, Unwrap, UnwrapError, Unwrapped, UnwrappedChart, Weld,
+};
 use std::cmp::Reverse;
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -63,16 +65,16 @@ fn every_raw_model_comes_out_in_certified_charts() {
             unwrapped.seam_length / unwrapped.diagonal,
             metrics.f,
             metrics.stretch_l2,
-            sum(&|c| c.metrics.overlaps()),
+            sum(&|c| c.metrics.certificate.overlaps()),
             components.iter().map(|c| c.1).sum::<usize>(),
             unwrapped.repairs.sentences().join("; ")
         );
         // The atlas as two kinds of files store it.
-        let formats: [(abf::Stored, Precision); 2] = [(|p| p, Precision::Double), (io::stored_uv, Precision::Single)];
+        let formats = [Stored::default(), Stored::converted(io::stored_uv, Precision::Single)];
         for stored in formats {
             let packed = Atlas::default().pack(&mesh, &unwrapped, None, stored).expect("an atlas");
             if !packed.metrics.injective() {
-                misses.push(format!("{name}: the atlas of {} is not one to one", stored.1));
+                misses.push(format!("{name}: the atlas of {} is not one to one", stored.precision()));
             }
         }
         if !unwrapped.is_certified() {
@@ -207,7 +209,7 @@ fn holes_in_bull_close_when_they_are_filled() {
             let (metrics, error) = (&chart.metrics, chart.layout_error.expect("angles"));
             println!(
                 "{count} | {rings} | {holes} | {:.3e} | {:.3} | {} | {error:.1e} | {lengths:.4} | {angles:.4}",
-                metrics.f, metrics.stretch_l2, metrics.flips
+                metrics.f, metrics.stretch_l2, metrics.certificate.flips
             );
             if holes != HoleRule::Free {
                 assert!(chart.is_certified() && unwrapped.seams.is_empty());

@@ -5,7 +5,7 @@ mod support;
 use abf::constraints::AngleProblem;
 use abf::mesh::{Topology, io};
 use abf::reconstruct::layout;
-use abf::{EstimateSettings, LayoutKind, LayoutSettings, Silent};
+use abf::{GuessSettings, LayoutKind, LayoutSettings, Silent};
 use std::hint::black_box;
 use support::{fixture, forget};
 
@@ -16,7 +16,7 @@ fn main() {
     let mut criterion = support::criterion();
     let mesh = fixture(abf_shapes::DEFAULT_FIXTURE).mesh;
     let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-    let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+    let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk");
     let pipeline = support::linabf();
     let flat = pipeline.run(&mesh, &mut Silent).expect("a flattening");
     let angles = flat.solution.expect("angles");
@@ -27,7 +27,7 @@ fn main() {
     group.bench_function("read OBJ", |b| b.iter(|| io::parse(io::MeshFormat::Obj, "mask.obj", black_box(&obj))));
     group.bench_function("topology", |b| b.iter(|| Topology::build(mesh.vertex_count(), black_box(mesh.faces()))));
     group.bench_function("angles and targets", |b| {
-        b.iter(|| AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()));
+        b.iter(|| AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()));
     });
     group.bench_function("solve, passes until 1e-8", |b| {
         let solver = pipeline.solver.angle_solver().expect("solves for angles");

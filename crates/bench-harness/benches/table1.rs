@@ -83,7 +83,7 @@ fn table(models: &[Model]) -> Table {
             or_dash(paper("F LinABF"), scientific),
             or_dash(paper("F LinABF"), |p| format!("{:.3}", linabf.f / p)),
             abf.termination.to_string(),
-            format!("{} / {}", abf_metrics.flips, linabf.flips),
+            format!("{} / {}", abf_metrics.certificate.flips, linabf.certificate.flips),
         ]);
     }
     table

@@ -39,7 +39,7 @@ fn main() {
             or_dash(paper("F LinABF"), scientific),
             stretch(linabf.stretch_l2),
             or_dash(paper("L2 LinABF"), stretch),
-            format!("{} / {}", one.flips, linabf.flips),
+            format!("{} / {}", one.certificate.flips, linabf.certificate.flips),
         ]);
     }
     table.finish();

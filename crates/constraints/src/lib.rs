@@ -8,14 +8,14 @@
 //! | --- | --- | --- | --- |
 //! | α° | [`AngleProblem::mesh_angles`] | angles of the surface, rad | 3 nt |
 //! | a | [`AngleProblem::target`] | target angles: α° · 2π / Σα° around an interior vertex, α° on the boundary | 3 nt |
-//! | α | [`AngleProblem::estimate`] | where LinABF linearises: α°, but the target on rings of large deficit | 3 nt |
+//! | α | [`AngleProblem::initial_guess`] | the initial guess, where LinABF linearises: α°, but the target on rings of large deficit | 3 nt |
 //! | w | [`AngleProblem::weight`] | 1/a² | 3 nt |
 //! | x | `angles` | the unknowns, rad | 3 nt |
 //! | h | [`residual`] | the constraints: triangle rows, vertex rows, wheel rows | nt + 2 ni |
 //! | J | [`Jacobian`] | dh/dx | (nt + 2 ni) × 3 nt |
 //! | μ | `multipliers` | Lagrange multipliers, in the order of `h` | nt + 2 ni |
 //!
-//! Where things are: `problem.rs` targets and estimates · `rows.rs` which constraint is which row
+//! Where things are: `problem.rs` targets and the initial guess · `rows.rs` which constraint is which row
 //! · `residual.rs` the three families · `wheel.rs` the wheel condition and its derivative ·
 //! `jacobian.rs` all of `J` as a sparse matrix · `reduction.rs` the elimination of a triangle's own
 //! row that every method shares.
@@ -35,7 +35,7 @@ mod wheel;
 
 pub use counts::KktCounts;
 pub use jacobian::Jacobian;
-pub use problem::{AngleProblem, EstimateSettings, ProblemError};
+pub use problem::{AngleProblem, GuessSettings, ProblemError};
 pub use reduction::{TriangleReduction, TriangleRows};
 pub use residual::{RESIDUAL_CLAMP, angles_out_of_range, largest, linearise, max_residual, residual};
 pub use rows::ConstraintRows;

@@ -1,4 +1,4 @@
-//! Targets, weights and the estimate.
+//! Targets, weights and the initial guess.
 
 use crate::ConstraintRows;
 use abf_control::SettingError;
@@ -12,15 +12,15 @@ const PER_TASK: usize = 1 << 13;
 /// A triangle with an angle below this, rad, has no shape to speak of.
 const NO_SHAPE: f64 = 1e-6;
 
-/// How the estimate is made from the angles of the surface (LinABF §4.2).
+/// How the initial guess is made from the angles of the surface (LinABF §4.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
-pub struct EstimateSettings {
+pub struct GuessSettings {
     /// Rings whose deficit `|2π − Σα°|` is above this, in radians, start from their target angles
     /// instead of their own. `None` never switches. LinABF recommends 1.
     pub ring_switch: Option<f64>,
     /// The smallest angle a pass may start from, rad; the largest is π minus this. Angles beyond
-    /// are moved to the bound, and counted. Triangles without a shape get at least this, too.
+    /// are clamped to it, and counted. Triangles without a shape get at least this, too.
     pub angle_bound: f64,
     /// Whether an angle that the surface itself has beyond the bound may stay as it is: the bound of each corner is then
     /// the smaller of [`angle_bound`](Self::angle_bound) and its own angle, and likewise below π. A thin triangle of a
@@ -28,21 +28,21 @@ pub struct EstimateSettings {
     pub keep_thin: bool,
 }
 
-impl Default for EstimateSettings {
+impl Default for GuessSettings {
     fn default() -> Self {
         Self { ring_switch: Some(1.0), angle_bound: 1e-3, keep_thin: true }
     }
 }
 
-impl EstimateSettings {
-    /// Moves every angle into `[angle_bound, π − angle_bound]` and says how many were outside.
-    /// NaN is moved to the lower bound.
+impl GuessSettings {
+    /// Clamps every angle to `[angle_bound, π − angle_bound]` and says how many were outside.
+    /// NaN becomes the lower bound.
     #[must_use]
     pub fn clamp(&self, angles: &mut [f64]) -> usize {
         let (low, high) = (self.angle_bound, PI - self.angle_bound);
         let is_outside = |x: &&mut f64| !(low..=high).contains(*x);
-        let move_in = |x: &mut f64| *x = if *x > high { high } else { low };
-        angles.par_iter_mut().with_min_len(PER_TASK).filter(is_outside).map(move_in).count()
+        let clamp_in = |x: &mut f64| *x = if *x > high { high } else { low };
+        angles.par_iter_mut().with_min_len(PER_TASK).filter(is_outside).map(clamp_in).count()
     }
 
     /// Checks that every setting is in its range; posing a problem does so first.
@@ -101,13 +101,13 @@ pub enum ProblemError {
 pub struct AngleProblem<'a> {
     topology: &'a Topology,
     rows: ConstraintRows,
-    settings: EstimateSettings,
+    settings: GuessSettings,
     mesh_angles: Vec<f64>,
     target: Vec<f64>,
     weight: Vec<f64>,
-    estimate: Vec<f64>,
+    initial_guess: Vec<f64>,
     switched_rings: usize,
-    moved_angles: usize,
+    clamped_angles: usize,
     shapeless_faces: usize,
     /// How many angles of the surface are beyond the bounds and may stay there.
     thin_corners: usize,
@@ -117,17 +117,13 @@ impl<'a> AngleProblem<'a> {
     /// The problem of a disk whose corners have `mesh_angles` (radians, one per corner).
     ///
     /// A triangle with an angle below 1e-6, as one without area has, has no shape that could be kept: its angles are
-    /// raised to [`EstimateSettings::angle_bound`] where they are below, and the rest of π is shared by what they have
+    /// raised to [`GuessSettings::angle_bound`] where they are below, and the rest of π is shared by what they have
     /// above it. So `α°`, targets and weights are those of a thin triangle instead.
     ///
     /// # Errors
     /// [`ProblemError`] when the surface is no disk, an angle is not in `[0, π]`, or a setting
     /// is out of range.
-    pub fn new(
-        topology: &'a Topology,
-        mesh_angles: Vec<f64>,
-        settings: EstimateSettings,
-    ) -> Result<Self, ProblemError> {
+    pub fn new(topology: &'a Topology, mesh_angles: Vec<f64>, settings: GuessSettings) -> Result<Self, ProblemError> {
         settings.check()?;
         let (is_disk, rows) = abf_parallel::join(|| topology.require_disk(), || ConstraintRows::new(topology));
         is_disk?;
@@ -143,7 +139,7 @@ impl<'a> AngleProblem<'a> {
     pub fn unclosed(
         topology: &'a Topology,
         mesh_angles: Vec<f64>,
-        settings: EstimateSettings,
+        settings: GuessSettings,
     ) -> Result<Self, ProblemError> {
         settings.check()?;
         Self::with_rows(topology, ConstraintRows::new(topology), mesh_angles, settings)
@@ -153,7 +149,7 @@ impl<'a> AngleProblem<'a> {
         topology: &'a Topology,
         rows: ConstraintRows,
         mut mesh_angles: Vec<f64>,
-        settings: EstimateSettings,
+        settings: GuessSettings,
     ) -> Result<Self, ProblemError> {
         check_angles(topology, &mesh_angles)?;
         let shapeless_faces = give_shape(&mut mesh_angles, settings.angle_bound);
@@ -166,7 +162,7 @@ impl<'a> AngleProblem<'a> {
         let angles = || mesh_angles.par_iter().with_min_len(PER_TASK).enumerate();
         let target: Vec<f64> = angles().map(target_of).collect();
         let start_of = |(c, &angle): (usize, &f64)| if ring(c).is_some_and(is_switched) { target[c] } else { angle };
-        let mut estimate: Vec<f64> = match switched_rings {
+        let mut guess: Vec<f64> = match switched_rings {
             0 => mesh_angles.clone(),
             _ => angles().map(start_of).collect(),
         };
@@ -175,7 +171,7 @@ impl<'a> AngleProblem<'a> {
             true => mesh_angles.iter().filter(|x| !bounds.contains(x)).count(),
             false => 0,
         };
-        let moved_angles = clamp(&settings, &mesh_angles, thin_corners, &mut estimate);
+        let clamped_angles = clamp(&settings, &mesh_angles, thin_corners, &mut guess);
         let weight = target.par_iter().with_min_len(PER_TASK).map(|a| 1.0 / (a * a)).collect();
         Ok(Self {
             topology,
@@ -184,9 +180,9 @@ impl<'a> AngleProblem<'a> {
             mesh_angles,
             target,
             weight,
-            estimate,
+            initial_guess: guess,
             switched_rings,
-            moved_angles,
+            clamped_angles,
             shapeless_faces,
             thin_corners,
         })
@@ -204,9 +200,9 @@ impl<'a> AngleProblem<'a> {
         &self.rows
     }
 
-    /// How the estimate was made.
+    /// How the initial guess was made.
     #[must_use]
-    pub fn settings(&self) -> &EstimateSettings {
+    pub fn settings(&self) -> &GuessSettings {
         &self.settings
     }
 
@@ -239,8 +235,8 @@ impl<'a> AngleProblem<'a> {
 
     /// α: where to start and where LinABF linearises, inside the angle bounds.
     #[must_use]
-    pub fn estimate(&self) -> &[f64] {
-        &self.estimate
+    pub fn initial_guess(&self) -> &[f64] {
+        &self.initial_guess
     }
 
     /// How many rings start from their target angles because of their deficit.
@@ -255,19 +251,19 @@ impl<'a> AngleProblem<'a> {
         self.shapeless_faces
     }
 
-    /// How many angles of the estimate were moved to the angle bounds.
+    /// How many angles of the initial guess were clamped to the angle bounds.
     #[must_use]
-    pub fn moved_angles(&self) -> usize {
-        self.moved_angles
+    pub fn clamped_angles(&self) -> usize {
+        self.clamped_angles
     }
 
-    /// How many angles of the surface are beyond the angle bounds and may stay there: see [`EstimateSettings::keep_thin`].
+    /// How many angles of the surface are beyond the angle bounds and may stay there: see [`GuessSettings::keep_thin`].
     #[must_use]
     pub fn thin_corners(&self) -> usize {
         self.thin_corners
     }
 
-    /// Moves every angle into the bounds of its corner and says how many were outside. NaN is moved to the lower bound.
+    /// Clamps every angle to the bounds of its corner and says how many were outside. NaN becomes the lower bound.
     #[must_use]
     pub fn clamp(&self, angles: &mut [f64]) -> usize {
         clamp(&self.settings, &self.mesh_angles, self.thin_corners, angles)
@@ -280,13 +276,13 @@ impl<'a> AngleProblem<'a> {
     }
 }
 
-/// Moves angles into the bounds of their corners, which reach as far as the angles of the surface where some are thin.
-fn clamp(settings: &EstimateSettings, own: &[f64], thin_corners: usize, angles: &mut [f64]) -> usize {
+/// Clamps angles to the bounds of their corners, which reach as far as the angles of the surface where some are thin.
+fn clamp(settings: &GuessSettings, own: &[f64], thin_corners: usize, angles: &mut [f64]) -> usize {
     if thin_corners == 0 {
         return settings.clamp(angles);
     }
     let bound = settings.angle_bound;
-    let move_in = |(x, &own): (&mut f64, &f64)| {
+    let clamp_in = |(x, &own): (&mut f64, &f64)| {
         let (low, high) = (bound.min(own), (PI - bound).max(own));
         let is_outside = !(low..=high).contains(x);
         if is_outside {
@@ -294,7 +290,7 @@ fn clamp(settings: &EstimateSettings, own: &[f64], thin_corners: usize, angles: 
         }
         usize::from(is_outside)
     };
-    angles.par_iter_mut().with_min_len(PER_TASK).zip(own).map(move_in).sum()
+    angles.par_iter_mut().with_min_len(PER_TASK).zip(own).map(clamp_in).sum()
 }
 
 fn ring_sum(topology: &Topology, vertex: VertexId, angles: &[f64]) -> f64 {
@@ -353,7 +349,7 @@ mod tests {
     fn targets_close_every_ring() {
         let mesh = Shape::BumpySheet.mesh(500);
         let topology = topology(&mesh);
-        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk");
         for &v in problem.rows().interior() {
             assert!((ring_sum(&topology, v, problem.target()) - TAU).abs() < 1e-13);
         }
@@ -367,19 +363,19 @@ mod tests {
         let mesh = Shape::Obtuse.mesh(3);
         let topology = topology(&mesh);
         let with = |ring_switch| {
-            let settings = EstimateSettings { ring_switch, ..EstimateSettings::default() };
+            let settings = GuessSettings { ring_switch, ..GuessSettings::default() };
             AngleProblem::new(&topology, mesh.corner_angles(), settings).expect("a disk")
         };
         assert_eq!(with(Some(1.0)).switched_rings(), 1);
         assert_eq!(with(Some(5.0)).switched_rings(), 0);
-        assert_eq!(with(None).estimate(), mesh.corner_angles());
+        assert_eq!(with(None).initial_guess(), mesh.corner_angles());
         let problem = with(Some(1.0));
         assert!((problem.deficit(problem.rows().interior()[0]).abs() - 4.56).abs() < 0.01);
     }
 
     #[test]
-    fn angles_outside_the_bounds_are_moved_and_counted() {
-        let settings = EstimateSettings::default();
+    fn angles_outside_the_bounds_are_clamped_and_counted() {
+        let settings = GuessSettings::default();
         let mut angles = [-0.5, 1.0, 3.2, f64::NAN, settings.angle_bound];
         assert_eq!(settings.clamp(&mut angles), 3);
         assert_eq!(angles, [1e-3, 1.0, PI - 1e-3, 1e-3, 1e-3]);
@@ -392,12 +388,12 @@ mod tests {
         let mut own = mesh.corner_angles();
         own[..3].copy_from_slice(&[1e-4, PI - 3e-4, 2e-4]);
         let with = |keep_thin| {
-            let settings = EstimateSettings { keep_thin, ring_switch: None, ..EstimateSettings::default() };
+            let settings = GuessSettings { keep_thin, ring_switch: None, ..GuessSettings::default() };
             AngleProblem::new(&topology, own.clone(), settings).expect("a disk")
         };
-        let (kept, moved) = (with(true), with(false));
-        assert_eq!((kept.thin_corners(), kept.moved_angles(), kept.estimate()), (3, 0, &own[..]));
-        assert_eq!((moved.thin_corners(), moved.moved_angles()), (0, 3));
+        let (kept, clamped) = (with(true), with(false));
+        assert_eq!((kept.thin_corners(), kept.clamped_angles(), kept.initial_guess()), (3, 0, &own[..]));
+        assert_eq!((clamped.thin_corners(), clamped.clamped_angles()), (0, 3));
         let mut angles = own.clone();
         (angles[0], angles[1], angles[4]) = (1e-5, 4.0, 1e-5);
         assert_eq!(kept.clamp(&mut angles), 3);
@@ -411,7 +407,7 @@ mod tests {
         let mut angles = mesh.corner_angles();
         angles[..3].copy_from_slice(&[0.0, PI, 0.0]);
         angles[3..6].copy_from_slice(&[PI / 2.0, 0.0, PI / 2.0]);
-        let problem = AngleProblem::new(&topology, angles.clone(), EstimateSettings::default()).expect("a disk");
+        let problem = AngleProblem::new(&topology, angles.clone(), GuessSettings::default()).expect("a disk");
         assert_eq!(problem.shapeless_faces(), 2);
         assert!((problem.mesh_angles()[1] - (PI - 2e-3)).abs() < 1e-15);
         assert!((problem.mesh_angles()[4] - 1e-3).abs() < 1e-15);
@@ -424,14 +420,14 @@ mod tests {
     fn bad_settings_and_angles_are_named() {
         let mesh = Shape::Obtuse.mesh(3);
         let topology = topology(&mesh);
-        let bad = EstimateSettings { angle_bound: 2.0, ..EstimateSettings::default() };
+        let bad = GuessSettings { angle_bound: 2.0, ..GuessSettings::default() };
         let e = AngleProblem::new(&topology, mesh.corner_angles(), bad).unwrap_err();
         assert_eq!(e.to_string(), "angle_bound must be in (0, π/3), got 2");
         let mut angles = mesh.corner_angles();
         angles[4] = -0.5;
-        let e = AngleProblem::new(&topology, angles, EstimateSettings::default()).unwrap_err();
+        let e = AngleProblem::new(&topology, angles, GuessSettings::default()).unwrap_err();
         assert_eq!(e, ProblemError::Angle { corner: 1, face: 1, angle: -0.5, count: 1 });
-        let e = AngleProblem::new(&topology, vec![1.0; 4], EstimateSettings::default()).unwrap_err();
+        let e = AngleProblem::new(&topology, vec![1.0; 4], GuessSettings::default()).unwrap_err();
         assert_eq!(e, ProblemError::AngleCount { given: 4, corners: 9 });
     }
 }

@@ -12,6 +12,6 @@ mod record;
 mod stop;
 
 pub use error::{Cancelled, SettingError, UnknownName};
-pub use observe::{Checkpoint, Event, Observer, Place, Silent, Stage, Verdict, Watch, ask, at_block};
+pub use observe::{Checkpoint, Event, Observer, Silent, Stage, UnwrapProgress, Verdict, Watch, ask, at_block};
 pub use record::{Fallback, IterationRecord, Termination};
 pub use stop::{StopCriteria, TimeBudget};

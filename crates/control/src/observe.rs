@@ -43,7 +43,7 @@ pub enum Event<'a> {
 /// Where in the unwrapping of a mesh something happened, with the totals known so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub struct Place {
+pub struct UnwrapProgress {
     /// Which connected component, counted from 0.
     pub component: usize,
     /// How many components there are.
@@ -83,7 +83,7 @@ pub trait Observer {
 
     /// Called instead of [`Observer::observe`] for an event in a part of a larger mesh. It passes the event on, if it is
     /// not implemented.
-    fn observe_at(&mut self, place: Place, event: Event<'_>) -> Verdict {
+    fn observe_at(&mut self, place: UnwrapProgress, event: Event<'_>) -> Verdict {
         let _ = place;
         self.observe(event)
     }

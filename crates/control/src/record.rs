@@ -72,8 +72,8 @@ pub struct IterationRecord {
     pub inner_estimate: Option<f64>,
     /// Whether the inner solve met the tolerance it was given.
     pub inner_converged: bool,
-    /// How many angles were moved to the angle bounds before it.
-    pub moved_angles: usize,
+    /// How many angles were clamped to the angle bounds before it.
+    pub clamped_angles: usize,
     /// `Σ w (x − a)²` after it; `None` for methods that have no fixed target.
     pub energy: Option<f64>,
     /// The share of the full step that was taken; 0 when no share of it led anywhere.

@@ -1,6 +1,6 @@
 //! A seam that reaches further.
 
-use crate::paths::Front;
+use crate::paths::ShortestPathTree;
 use crate::seams::ends;
 use crate::{EdgeCosts, Seams};
 use abf_mesh::{DisjointSets, Topology, VertexId};
@@ -14,10 +14,10 @@ pub fn extend(topology: &Topology, costs: &EdgeCosts, seams: &mut Seams, termina
     let before = seams.len();
     let root = cut_vertices(topology, seams).map(|v| (v, 0));
     let labelled = (1..).zip(terminals).map(|(label, &v)| (v, label));
-    let front = Front::grow(topology, costs, root.chain(labelled));
-    let bridges = front.bridges(topology, costs, terminals.len() + 1);
+    let tree = ShortestPathTree::grow(topology, costs, root.chain(labelled));
+    let bridges = tree.bridges(topology, costs, terminals.len() + 1);
     let mut joined = DisjointSets::new(terminals.len() + 1);
-    let labels_at = |c| ends(topology, c).map(|v| front.label(v).unwrap_or(0) as usize);
+    let labels_at = |c| ends(topology, c).map(|v| tree.label(v).unwrap_or(0) as usize);
     for [a, b] in bridges.iter().map(|&c| labels_at(c)) {
         joined.unite(a, b);
     }
@@ -25,7 +25,7 @@ pub fn extend(topology: &Topology, costs: &EdgeCosts, seams: &mut Seams, termina
         if joined.find(labels_at(edge)[0]) == joined.find(0) {
             seams.insert(topology, edge);
             for end in ends(topology, edge) {
-                front.trace(topology, end).for_each(|way| seams.insert(topology, way));
+                tree.trace(topology, end).for_each(|way| seams.insert(topology, way));
             }
         }
     }
@@ -35,8 +35,8 @@ pub fn extend(topology: &Topology, costs: &EdgeCosts, seams: &mut Seams, termina
 /// The cost of the cheapest way from every vertex to a seam or the boundary; infinite where there is none.
 #[must_use]
 pub fn distances(topology: &Topology, costs: &EdgeCosts, seams: &Seams) -> Vec<f64> {
-    let front = Front::grow(topology, costs, cut_vertices(topology, seams).map(|v| (v, 0)));
-    topology.vertices().map(|v| front.distance(v)).collect()
+    let tree = ShortestPathTree::grow(topology, costs, cut_vertices(topology, seams).map(|v| (v, 0)));
+    topology.vertices().map(|v| tree.distance(v)).collect()
 }
 
 /// The vertices on the boundary, then those at the ends of seams; some of them more than once.

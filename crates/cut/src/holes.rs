@@ -22,6 +22,7 @@ use std::collections::{BinaryHeap, HashSet};
 )]
 #[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum HoleFilling {
     /// A fan around a new vertex in the middle of the rim.
     Fan,
@@ -45,6 +46,7 @@ fn unknown(given: &str) -> UnknownName {
 
 /// A mesh whose holes are closed.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Filled {
     /// The vertices and faces of the mesh, then those that are virtual.
     pub mesh: TriMesh,

@@ -1,6 +1,6 @@
 //! The least seam that makes a component a disk.
 
-use crate::paths::Front;
+use crate::paths::ShortestPathTree;
 use crate::seams::{edges_at, ends, interior_edges};
 use crate::{EdgeCosts, Seams};
 use abf_mesh::{BoundaryLoop, CornerId, DisjointSets, Topology, VertexId};
@@ -39,11 +39,11 @@ pub fn open(topology: &Topology, costs: &EdgeCosts) -> Seams {
 fn slit(topology: &Topology, costs: &EdgeCosts) -> Seams {
     let mut seams = Seams::none(topology);
     let Some(any) = first_used(topology, costs) else { return seams };
-    let from = |v| Front::grow(topology, costs, [(v, 0)]);
+    let from = |v| ShortestPathTree::grow(topology, costs, [(v, 0)]);
     let one = from(any).farthest().unwrap_or(any);
-    let front = from(one);
-    let other = front.farthest().unwrap_or(one);
-    front.trace(topology, other).for_each(|edge| seams.insert(topology, edge));
+    let tree = from(one);
+    let other = tree.farthest().unwrap_or(one);
+    tree.trace(topology, other).for_each(|edge| seams.insert(topology, edge));
     // Two edges are the least that open anything.
     for (edge, _) in edges_at(topology, one) {
         if seams.len() < 2 {
@@ -81,14 +81,14 @@ fn best_of_base_points(topology: &Topology, costs: &EdgeCosts) -> Seams {
 /// The edges that a spanning tree of faces does not cross, without dead ends. The tree leaves out, if it can, a tree of
 /// shortest paths from the sources and the edges with the shortest loops through it.
 fn complement_of_faces(topology: &Topology, costs: &EdgeCosts, sources: &[(VertexId, u32)], labels: usize) -> Seams {
-    let front = Front::grow(topology, costs, sources.iter().copied());
+    let tree = ShortestPathTree::grow(topology, costs, sources.iter().copied());
     let mut paths = Seams::none(topology);
-    for edge in topology.vertices().filter_map(|v| front.towards(v)).chain(front.bridges(topology, costs, labels)) {
+    for edge in topology.vertices().filter_map(|v| tree.towards(v)).chain(tree.bridges(topology, costs, labels)) {
         paths.insert(topology, edge);
     }
     let mut crossings: Vec<(u64, CornerId)> = interior_edges(topology)
         .map(|(corner, _)| {
-            let [a, b] = ends(topology, corner).map(|v| front.distance(v));
+            let [a, b] = ends(topology, corner).map(|v| tree.distance(v));
             (if paths.contains(corner) { 0 } else { 1 + (a + costs.of(corner) + b).to_bits() }, corner)
         })
         .collect();

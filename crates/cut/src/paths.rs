@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 const NONE: u32 = u32::MAX;
 
 /// How far every vertex is from the nearest source, and the way there.
-pub(crate) struct Front {
+pub(crate) struct ShortestPathTree {
     distance: Vec<f64>,
     /// The edge towards the source, by a corner that faces it; `None` at sources.
     towards: Vec<Option<CornerId>>,
@@ -18,7 +18,7 @@ pub(crate) struct Front {
     label: Vec<u32>,
 }
 
-impl Front {
+impl ShortestPathTree {
     /// Grows from all sources at once, each with its label; along edges of finite cost only. Of equal ways the one
     /// through the vertex of lower index is taken.
     pub(crate) fn grow(
@@ -27,32 +27,32 @@ impl Front {
         sources: impl IntoIterator<Item = (VertexId, u32)>,
     ) -> Self {
         let n = topology.vertex_count();
-        let mut front = Self { distance: vec![f64::INFINITY; n], towards: vec![None; n], label: vec![NONE; n] };
+        let mut tree = Self { distance: vec![f64::INFINITY; n], towards: vec![None; n], label: vec![NONE; n] };
         let mut heap = BinaryHeap::new();
         for (v, label) in sources {
-            if front.label[v.index()] == NONE {
-                front.distance[v.index()] = 0.0;
-                front.label[v.index()] = label;
+            if tree.label[v.index()] == NONE {
+                tree.distance[v.index()] = 0.0;
+                tree.label[v.index()] = label;
                 heap.push(Reverse((0_u64, v)));
             }
         }
         while let Some(Reverse((key, v))) = heap.pop() {
             // The order of the bits of doubles that are not negative is that of the doubles.
             let here = f64::from_bits(key);
-            if here > front.distance[v.index()] {
+            if here > tree.distance[v.index()] {
                 continue;
             }
             for (edge, w) in edges_at(topology, v) {
                 let there = here + costs.of(edge);
-                if there < front.distance[w.index()] {
-                    front.distance[w.index()] = there;
-                    front.towards[w.index()] = Some(edge);
-                    front.label[w.index()] = front.label[v.index()];
+                if there < tree.distance[w.index()] {
+                    tree.distance[w.index()] = there;
+                    tree.towards[w.index()] = Some(edge);
+                    tree.label[w.index()] = tree.label[v.index()];
                     heap.push(Reverse((there.to_bits(), w)));
                 }
             }
         }
-        front
+        tree
     }
 
     /// The distance to the nearest source; infinite where there is no way.
@@ -119,10 +119,10 @@ mod tests {
         let costs = EdgeCosts::new(&mesh, &topology, &CostSettings::LENGTH, |_| false);
         // Diagonals run from (i, j) to (i + 1, j + 1); the boundary, six edges away, costs nothing.
         let at = |i: usize, j: usize| VertexId::new(i * 13 + j);
-        let front = Front::grow(&topology, &costs, [(at(6, 6), 0)]);
-        assert!((front.distance(at(9, 6)) - 3.0).abs() < 1e-12);
-        assert!((front.distance(at(9, 8)) - (1.0 + 8.0_f64.sqrt())).abs() < 1e-12);
-        assert_eq!(front.distance(at(0, 0)), 6.0);
-        assert_eq!(front.trace(&topology, at(9, 8)).count(), 3);
+        let tree = ShortestPathTree::grow(&topology, &costs, [(at(6, 6), 0)]);
+        assert!((tree.distance(at(9, 6)) - 3.0).abs() < 1e-12);
+        assert!((tree.distance(at(9, 8)) - (1.0 + 8.0_f64.sqrt())).abs() < 1e-12);
+        assert_eq!(tree.distance(at(0, 0)), 6.0);
+        assert_eq!(tree.trace(&topology, at(9, 8)).count(), 3);
     }
 }

@@ -102,14 +102,6 @@ pub(crate) fn edge_length(mesh: &TriMesh, topology: &Topology, corner: CornerId)
     (b - a).norm()
 }
 
-/// The diagonal of the bounding box of all faces.
-pub(crate) fn diagonal(mesh: &TriMesh) -> f64 {
-    let mut points = mesh.faces().iter().flatten().map(|v| mesh.positions()[v.index()]);
-    let Some(first) = points.next() else { return 0.0 };
-    let (low, high) = points.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
-    (high - low).norm()
-}
-
 /// Every edge at a vertex once, by a corner that faces it, with the vertex at its other end.
 pub(crate) fn edges_at(topology: &Topology, vertex: VertexId) -> impl Iterator<Item = (CornerId, VertexId)> {
     topology.fan(vertex).flat_map(move |c| {

@@ -14,6 +14,7 @@ const LENGTH: f64 = 1e-3;
 
 /// A mesh with fewer faces.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Simplified {
     /// It.
     pub mesh: TriMesh,

@@ -19,6 +19,7 @@ const CELL: f64 = 64.0;
 /// Which vertices are joined before anything else is done.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum Weld {
     /// Those within 4 units in the last place at the size of their component, but none in a mesh that is one disk. The
     /// units are those of 32-bit numbers where all coordinates are such, else of 64-bit numbers.
@@ -44,6 +45,7 @@ impl Weld {
 
 /// A mesh with shared vertices.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Welded {
     /// The same vertices and faces; the faces use the lowest of joined vertices.
     pub mesh: TriMesh,

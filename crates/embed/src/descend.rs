@@ -8,7 +8,7 @@
 //! Every step is a Gauss–Newton direction (`newton.rs`), followed with turning and scaling edges or along a straight
 //! line (`retract.rs`), no further than an exact predicate allows (`line_search.rs`).
 
-use crate::line_search::{Place, Search, StepKind, measured};
+use crate::line_search::{AcceptedDrawing, Search, StepKind, measured};
 use crate::newton::{Direction, Newton};
 use crate::objective::Objective;
 use crate::plane::{not_counter_clockwise, of_face, orientation};
@@ -45,6 +45,7 @@ impl Default for Descent {
 
 /// One step.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct DescentRecord {
     /// Counted from 1.
     pub iteration: usize,
@@ -73,6 +74,7 @@ pub struct DescentRecord {
 
 /// A drawing in which every triangle is counter-clockwise, by an exact predicate.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct DescentSolution {
     /// One point per vertex; the origin for vertices that no face uses.
     pub uv: Vec<Point2<f64>>,
@@ -143,7 +145,7 @@ impl Descent {
                 area_matched,
             });
         }
-        let mut run = Run::new(*self, problem, &uv, &mut watch)?;
+        let mut run = DescentRun::new(*self, problem, &uv, &mut watch)?;
         let termination = run.descend(stop, &mut watch)?;
         let (uv, area_matched) = scaled_to(topology, run.uv, mesh.area());
         // Those of the last step: scaling may round, and no angle is changed by it.
@@ -214,7 +216,7 @@ fn check_start(topology: &Topology, uv: &[Point2<f64>]) -> Result<(), EmbedError
 }
 
 /// The workspace of one descent.
-struct Run<'p, 'a> {
+struct DescentRun<'p, 'a> {
     settings: Descent,
     objective: Objective<'p, 'a>,
     newton: Newton,
@@ -226,7 +228,7 @@ struct Run<'p, 'a> {
     reported: Vec<IterationRecord>,
 }
 
-impl<'p, 'a> Run<'p, 'a> {
+impl<'p, 'a> DescentRun<'p, 'a> {
     fn new(
         settings: Descent,
         problem: &'p AngleProblem<'a>,
@@ -308,7 +310,7 @@ impl<'p, 'a> Run<'p, 'a> {
         let place =
             Search { objective, uv, angles, value, direction }.run(&mut self.retraction, &mut || watch.checkpoint())?;
         let found = place.is_some();
-        let place = place.unwrap_or_else(|| Place {
+        let place = place.unwrap_or_else(|| AcceptedDrawing {
             uv: self.uv.clone(),
             angles: self.angles.clone(),
             objective: value,

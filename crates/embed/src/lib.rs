@@ -18,7 +18,7 @@
 //! | d, δ | `motion`, `angle_change` | a direction, and what it does to the angles: δ = J d |
 //!
 //! ```
-//! use abf_constraints::{AngleProblem, EstimateSettings};
+//! use abf_constraints::{AngleProblem, GuessSettings};
 //! use abf_embed::Descent;
 //! use abf_mesh::{Topology, UvMap};
 //! use abf_shapes::Shape;
@@ -26,7 +26,7 @@
 //!
 //! let mesh = Shape::SpikyField.mesh(500);
 //! let topology = Topology::build(mesh.vertex_count(), mesh.faces())?;
-//! let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default())?;
+//! let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default())?;
 //! let solution = Descent::default().solve(&mesh, &problem, None, &StopCriteria::default(), &mut Silent)?;
 //! assert_eq!(solution.termination, Termination::Converged);
 //! let uv = UvMap::per_vertex(&mesh, &solution.uv);

@@ -23,6 +23,7 @@ const STRAIGHT_TRIALS: usize = 40;
 
 /// How a step moved the vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum StepKind {
     /// Along a straight line, every vertex.
     Straight,
@@ -31,7 +32,7 @@ pub enum StepKind {
 }
 
 /// A place that is better, and valid by the exact predicate.
-pub(crate) struct Place {
+pub(crate) struct AcceptedDrawing {
     pub(crate) uv: Vec<Point2<f64>>,
     pub(crate) angles: Vec<f64>,
     pub(crate) objective: f64,
@@ -68,7 +69,7 @@ impl Search<'_, '_, '_> {
         &self,
         retraction: &mut Retraction,
         checkpoint: &mut Checkpoint<'_>,
-    ) -> Result<Option<Place>, Cancelled> {
+    ) -> Result<Option<AcceptedDrawing>, Cancelled> {
         let (turning, straight) = (self.turning(retraction, checkpoint)?, self.straight(checkpoint)?);
         Ok(match (turning, straight) {
             (Some(turning), Some(straight)) if straight.objective < turning.objective => Some(straight),
@@ -76,7 +77,7 @@ impl Search<'_, '_, '_> {
         })
     }
 
-    fn straight(&self, checkpoint: &mut Checkpoint<'_>) -> Result<Option<Place>, Cancelled> {
+    fn straight(&self, checkpoint: &mut Checkpoint<'_>) -> Result<Option<AcceptedDrawing>, Cancelled> {
         let end: f64 = (WAY_TO_COLLAPSE * self.first_collapse(&self.direction.motion)).min(1.0);
         let moved = |s: f64| self.uv.iter().zip(&self.direction.motion).map(|(p, d)| p + d * s).collect();
         for s in std::iter::successors(Some(end), |s| Some(0.5 * s)).take(STRAIGHT_TRIALS) {
@@ -92,7 +93,7 @@ impl Search<'_, '_, '_> {
         &self,
         retraction: &mut Retraction,
         checkpoint: &mut Checkpoint<'_>,
-    ) -> Result<Option<Place>, Cancelled> {
+    ) -> Result<Option<AcceptedDrawing>, Cancelled> {
         let topology = self.objective.problem.topology();
         let laplacian = usable(retraction.at(topology, self.uv, self.angles, checkpoint))?;
         let Some(laplacian) = laplacian else { return Ok(None) };
@@ -112,7 +113,7 @@ impl Search<'_, '_, '_> {
         end: Vec<Point2<f64>>,
         share: f64,
         checkpoint: &mut Checkpoint<'_>,
-    ) -> Result<Option<Place>, Cancelled> {
+    ) -> Result<Option<AcceptedDrawing>, Cancelled> {
         if not_counter_clockwise(self.objective.problem.topology(), &end).is_none() {
             return self.accept(end, share, StepKind::Turning, checkpoint);
         }
@@ -138,7 +139,7 @@ impl Search<'_, '_, '_> {
         share: f64,
         kind: StepKind,
         checkpoint: &mut Checkpoint<'_>,
-    ) -> Result<Option<Place>, Cancelled> {
+    ) -> Result<Option<AcceptedDrawing>, Cancelled> {
         let topology = self.objective.problem.topology();
         if not_counter_clockwise(topology, &uv).is_some() {
             return Ok(None);
@@ -152,7 +153,7 @@ impl Search<'_, '_, '_> {
         }
         let objective = self.objective.value(&angles);
         let enough = objective < self.value && objective <= self.value + SUFFICIENT * share * self.direction.slope;
-        Ok(enough.then_some(Place { uv, angles, objective, share, kind }))
+        Ok(enough.then_some(AcceptedDrawing { uv, angles, objective, share, kind }))
     }
 }
 

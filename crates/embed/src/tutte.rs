@@ -17,6 +17,7 @@ use std::f64::consts::TAU;
 
 /// How the boundary vertices are spread on the circle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum BoundarySpacing {
     /// By the lengths of the boundary edges in space.
     ArcLength,
@@ -26,6 +27,7 @@ pub enum BoundarySpacing {
 
 /// The weights of the means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum TutteWeights {
     /// Floater's, of the triangles in space.
     MeanValue,
@@ -35,6 +37,7 @@ pub enum TutteWeights {
 
 /// A drawing of a disk in which every triangle is counter-clockwise, by an exact predicate.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TutteEmbedding {
     /// One point per vertex, inside the unit circle; the origin for vertices that no face uses.
     pub uv: Vec<Point2<f64>>,

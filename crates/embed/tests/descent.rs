@@ -1,6 +1,6 @@
 //! The descent as a user sees it.
 
-use abf_constraints::{AngleProblem, EstimateSettings};
+use abf_constraints::{AngleProblem, GuessSettings};
 use abf_control::{Event, Observer, Silent, StopCriteria, Termination, Verdict};
 use abf_embed::{Descent, DescentSolution, EmbedError, tutte, vertex_points};
 use abf_mesh::{FaceId, Point2, Point3, Topology, TriMesh, UvId, UvMap, VertexId};
@@ -13,7 +13,7 @@ fn topology(mesh: &TriMesh) -> Topology {
 }
 
 fn problem<'t>(mesh: &TriMesh, topology: &'t Topology) -> AngleProblem<'t> {
-    AngleProblem::new(topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk")
+    AngleProblem::new(topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk")
 }
 
 fn descend(mesh: &TriMesh, settings: Descent) -> DescentSolution {

@@ -112,7 +112,8 @@ pub(crate) fn solve<R: Recursion>(
         return KrylovStats { iterations: 0, relative_residual: 0.0, estimate: 0.0, end: KrylovEnd::Converged };
     }
     let residual = vec![0.0; b.len()];
-    let mut run = Run { a, c, b, scale, own_scale: R::norm(c, b), residual, truth: 0.0, iterations: 0, estimate: 0.0 };
+    let mut run =
+        KrylovRun { a, c, b, scale, own_scale: R::norm(c, b), residual, truth: 0.0, iterations: 0, estimate: 0.0 };
     run.measure(x);
     run.estimate = R::norm(c, &run.residual) / run.own_scale;
     let mut first_claim = None;
@@ -126,7 +127,7 @@ pub(crate) fn solve<R: Recursion>(
 }
 
 /// The state of a solve.
-struct Run<'a> {
+struct KrylovRun<'a> {
     a: &'a dyn LinOp,
     c: &'a dyn Preconditioner,
     b: &'a [f64],
@@ -143,7 +144,7 @@ struct Run<'a> {
     estimate: f64,
 }
 
-impl Run<'_> {
+impl KrylovRun<'_> {
     /// Computes the residual with the operator.
     fn measure(&mut self, x: &[f64]) {
         self.a.apply(x, &mut self.residual);

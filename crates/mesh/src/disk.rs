@@ -4,6 +4,7 @@ use crate::{CornerId, FaceId, Topology, VertexId};
 
 /// One closed walk along the boundary, the surface on its left.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct BoundaryLoop {
     /// The vertices in order; the last is joined to the first.
     pub vertices: Vec<VertexId>,

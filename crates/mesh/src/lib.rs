@@ -9,20 +9,24 @@
 //! oriented manifolds with boundary; [`Topology::require_disk`] accepts one component with one
 //! boundary loop and no handle, which is what the angle constraints of every method need.
 
+mod bounds;
 mod disjoint_sets;
 mod disk;
 mod ids;
 #[cfg(feature = "io")]
 pub mod io;
 pub mod predicates;
+mod submesh;
 mod topology;
 mod tri_mesh;
 mod uv_map;
 
+pub use bounds::bounds;
 pub use disjoint_sets::DisjointSets;
 pub use disk::{BoundaryLoop, DiskError};
 pub use ids::{CornerId, FaceId, UvId, VertexId};
 pub use nalgebra::{Point2, Point3, Vector2, Vector3};
+pub use submesh::Submesh;
 pub use topology::{BrokenLaw, Topology, TopologyError};
 pub use tri_mesh::{GeometryError, TriMesh};
 pub use uv_map::UvMap;

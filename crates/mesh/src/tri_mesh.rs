@@ -67,7 +67,6 @@ impl TriMesh {
     }
 
     /// A mesh of faces that are known to name vertices.
-    #[cfg(feature = "io")]
     pub(crate) fn of_ids(positions: Vec<Point3<f64>>, faces: Vec<[VertexId; 3]>) -> Self {
         debug_assert!(faces.iter().flatten().all(|v| v.index() < positions.len()));
         Self { positions, faces }

@@ -143,8 +143,7 @@ impl UvMap {
     /// `None` when there is no point.
     #[must_use]
     pub fn bounds(&self) -> Option<(Point2<f64>, Point2<f64>)> {
-        let first = *self.points.first()?;
-        Some(self.points.iter().fold((first, first), |(lo, hi), p| (lo.inf(p), hi.sup(p))))
+        crate::bounds(self.points.iter().copied())
     }
 
     /// Moved and scaled uniformly so that its box touches the origin and fits the unit square.

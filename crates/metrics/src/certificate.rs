@@ -26,6 +26,7 @@ const CORNERS_PER_TASK: usize = 1 << 13;
 /// coordinate). So [`valid`](Self::valid) and [`injective`](Self::injective) are proofs, not measurements.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Certificate {
     /// What the coordinates were rounded to before.
     #[cfg_attr(feature = "serde", serde(serialize_with = "as_text"))]

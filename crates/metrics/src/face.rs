@@ -34,6 +34,7 @@ impl Orientation {
 
 /// What became of one triangle.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FaceDistortion {
     /// How it lies, by the exact sign of its area.
     pub orientation: Orientation,

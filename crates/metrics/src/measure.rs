@@ -1,7 +1,6 @@
 //! One map in a few numbers.
 
 use abf_mesh::{TriMesh, UvMap};
-use std::ops::Deref;
 
 use crate::certificate::of_survey;
 use crate::face::{FaceDistortion, Survey};
@@ -17,6 +16,7 @@ use crate::{Certificate, MetricsError, Precision};
 /// infinity: `serde_json` writes `null` there.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Metrics {
     /// How many triangles there are.
     pub triangles: usize,
@@ -62,14 +62,11 @@ impl Metrics {
     pub fn valid(&self) -> bool {
         self.certificate.valid()
     }
-}
 
-/// The counts of the [`Certificate`] by their own names: `metrics.flips`.
-impl Deref for Metrics {
-    type Target = Certificate;
-
-    fn deref(&self) -> &Certificate {
-        &self.certificate
+    /// Whether the map is one to one: [`Certificate::injective`].
+    #[must_use]
+    pub fn injective(&self) -> bool {
+        self.certificate.injective()
     }
 }
 

@@ -18,6 +18,7 @@ use abf_control::UnknownName;
 )]
 #[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum Precision {
     /// 24 bits, as graphics memory and some formats do.
     Single,

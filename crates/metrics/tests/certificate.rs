@@ -7,11 +7,12 @@ use abf_metrics::{Certificate, Precision, certify, certify_connected};
 use std::collections::{BTreeMap, BTreeSet};
 use support::{Noise, mesh, per_vertex, sheet, uv_map};
 
-type Place = [i64; 2];
+/// A point with whole coordinates.
+type Lattice = [i64; 2];
 
 /// Faces as vertices, and the place of every vertex.
 struct Drawing {
-    places: Vec<Place>,
+    places: Vec<Lattice>,
     faces: Vec<[usize; 3]>,
 }
 
@@ -20,13 +21,13 @@ fn pick(noise: &mut Noise, below: usize) -> usize {
     ((noise.next() + 1.0) * 0.5 * below as f64) as usize
 }
 
-fn turn(a: Place, b: Place, c: Place) -> i128 {
+fn turn(a: Lattice, b: Lattice, c: Lattice) -> i128 {
     let [x, y] = [0, 1].map(|k| (i128::from(b[k] - a[k]), i128::from(c[k] - a[k])));
     x.0 * y.1 - y.0 * x.1
 }
 
 impl Drawing {
-    fn triangle(&self, f: usize) -> [Place; 3] {
+    fn triangle(&self, f: usize) -> [Lattice; 3] {
         self.faces[f].map(|v| self.places[v])
     }
 
@@ -51,7 +52,7 @@ impl Drawing {
     /// Pairs of triangles with an inner point in common.
     fn overlapping_pairs(&self) -> BTreeSet<[usize; 2]> {
         let separates =
-            |a: [Place; 3], b: [Place; 3]| (0..3).any(|k| b.iter().all(|&p| turn(a[k], a[(k + 1) % 3], p) <= 0));
+            |a: [Lattice; 3], b: [Lattice; 3]| (0..3).any(|k| b.iter().all(|&p| turn(a[k], a[(k + 1) % 3], p) <= 0));
         let overlap = |i: usize, j: usize| {
             let (a, b) = (self.triangle(i), self.triangle(j));
             !separates(a, b) && !separates(b, a)
@@ -61,7 +62,7 @@ impl Drawing {
     }
 
     /// Edges of one face only, as places, each pair of places once.
-    fn boundary(&self) -> Vec<[Place; 2]> {
+    fn boundary(&self) -> Vec<[Lattice; 2]> {
         let mut count: BTreeMap<[usize; 2], usize> = BTreeMap::new();
         for face in &self.faces {
             for k in 0..3 {
@@ -75,7 +76,7 @@ impl Drawing {
 
     fn crossings(&self) -> usize {
         let edges = self.boundary();
-        let crosses = |[a, b]: [Place; 2], [c, d]: [Place; 2]| {
+        let crosses = |[a, b]: [Lattice; 2], [c, d]: [Lattice; 2]| {
             turn(a, b, c).signum() * turn(a, b, d).signum() < 0 && turn(c, d, a).signum() * turn(c, d, b).signum() < 0
         };
         let pairs = (0..edges.len()).flat_map(|i| (i + 1..edges.len()).map(move |j| (i, j)));
@@ -220,7 +221,7 @@ fn signs_are_counted_as_whole_numbers_count_them() {
     let mut noise = Noise(10);
     for _ in 0..500 {
         let mesh = sheet(3, |_, _| 0.0);
-        let places: Vec<Place> = (0..16).map(|_| [pick(&mut noise, 5) as i64, pick(&mut noise, 5) as i64]).collect();
+        let places: Vec<Lattice> = (0..16).map(|_| [pick(&mut noise, 5) as i64, pick(&mut noise, 5) as i64]).collect();
         let uv: Vec<[f64; 2]> = places.iter().map(|p| p.map(|x| x as f64)).collect();
         let faces: Vec<[usize; 3]> = mesh.faces().iter().map(|f| f.map(VertexId::index)).collect();
         let areas: Vec<i128> = faces.iter().map(|f| turn(places[f[0]], places[f[1]], places[f[2]])).collect();

@@ -46,17 +46,17 @@ fn judge() -> Option<PathBuf> {
 fn compare(name: &str, ours: &Metrics, theirs: &Value) {
     let count = |key: &str| usize::try_from(theirs[key].as_u64().expect("a count")).expect("a small count");
     assert_eq!(count("triangles"), ours.triangles, "{name}");
-    assert_eq!(count("charts"), ours.charts, "{name}");
+    assert_eq!(count("charts"), ours.certificate.charts, "{name}");
     assert_eq!(count("left_out"), ours.degenerate_3d, "{name}");
     assert_eq!(
         (count("flipped"), count("collapsed"), count("wound")),
-        (ours.flips, ours.collapsed, ours.wound),
+        (ours.certificate.flips, ours.certificate.collapsed, ours.certificate.wound),
         "{name}"
     );
     // Overlaps mean something in valid maps only.
     assert_eq!(theirs["injective"].as_bool(), Some(ours.injective()), "{name}: {theirs}");
     // What is within rounding is infinite here, and as far as doubles carry there.
-    let within_rounding = ours.collapsed + ours.near_collapsed;
+    let within_rounding = ours.certificate.collapsed + ours.certificate.near_collapsed;
     let figures = [
         ("stretch_l2", ours.stretch_l2),
         ("stretch_linf", ours.stretch_linf),

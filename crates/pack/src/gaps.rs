@@ -10,6 +10,7 @@ const APART: f64 = 4.0;
 
 /// A place where the outline of a piece comes near to itself across what is outside of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Gap {
     /// The polygon of the piece.
     pub polygon: usize,

@@ -1,6 +1,6 @@
 //! The cells of a page that are taken, and where a mask fits between them.
 
-use crate::raster::{Bits, Mask, Run};
+use crate::raster::{Bits, CellRun, Mask};
 
 /// Words that are looked at together.
 const BLOCK: usize = 4;
@@ -131,7 +131,7 @@ impl Page {
         })
     }
 
-    fn strike(&self, run: &Run, y: i32, start: usize, free: &mut [u64; BLOCK]) {
+    fn strike(&self, run: &CellRun, y: i32, start: usize, free: &mut [u64; BLOCK]) {
         let row = y + run.row;
         if row < 0 || row >= self.rows {
             return;

@@ -50,6 +50,7 @@ impl Placement {
 
 /// Pieces on pages.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Packing {
     /// The scale, the same for all pieces.
     pub texels_per_unit: f64,

@@ -13,12 +13,12 @@ pub(crate) struct Mask {
     pub(crate) size: Point,
     /// Every cell that a point nearer than the margin touches, as runs. Rows are in bit-reversed order: the next row
     /// looked at is far from those before it, so that a place that is taken is found out soon.
-    pub(crate) wide: Vec<Run>,
+    pub(crate) wide: Vec<CellRun>,
 }
 
 /// Cells in a row, side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Run {
+pub(crate) struct CellRun {
     pub(crate) row: i32,
     pub(crate) first: i32,
     pub(crate) length: u32,
@@ -80,7 +80,7 @@ impl Bits {
         }
     }
 
-    fn runs(&self, row: i32, out: &mut Vec<Run>) {
+    fn runs(&self, row: i32, out: &mut Vec<CellRun>) {
         let start = row as usize * self.stride;
         let words = &self.words[start..start + self.stride];
         let end = 64 * self.stride;
@@ -99,7 +99,7 @@ impl Bits {
         while at < end {
             let stop = next(at, false);
             let first = self.low[0] + at as i32;
-            out.push(Run { row: self.low[1] + row, first, length: (stop - at) as u32 });
+            out.push(CellRun { row: self.low[1] + row, first, length: (stop - at) as u32 });
             at = next(stop, true);
         }
     }

@@ -13,6 +13,7 @@ const WIDTHS: usize = 11;
 
 /// Pieces side by side.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SideBySide {
     /// One for every piece, in their order, all on page 0. `corner` is in units of the input: the scale is 1.
     pub placements: Vec<Placement>,

@@ -30,6 +30,7 @@ const PER_TASK: usize = 1 << 13;
 )]
 #[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum LayoutKind {
     /// The tree when the angles close, else least squares.
     #[default]
@@ -78,6 +79,7 @@ impl Default for LayoutSettings {
 
 /// Coordinates, and how they were found.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Layout {
     /// One UV per vertex.
     pub uv: UvMap,
@@ -88,8 +90,8 @@ pub struct Layout {
     /// The largest disagreement between the two sides of an edge after integration; `None` where
     /// nothing was integrated.
     pub closing_error: Option<f64>,
-    /// How many angles were moved by [`ANGLE_CLAMP`].
-    pub moved_angles: usize,
+    /// How many angles were clamped by [`ANGLE_CLAMP`].
+    pub clamped_angles: usize,
 }
 
 /// Why angles could not be laid out.
@@ -166,11 +168,11 @@ pub fn layout_asking(
     let pins = Pins::far_apart(mesh, topology).ok_or(LayoutError::NoBoundary)?;
     let clamped: Vec<f64> =
         angles.par_iter().with_min_len(PER_TASK).map(|x| x.clamp(ANGLE_CLAMP, PI - ANGLE_CLAMP)).collect();
-    let moved_angles = angles.iter().zip(&clamped).filter(|(x, y)| x != y).count();
+    let clamped_angles = angles.iter().zip(&clamped).filter(|(x, y)| x != y).count();
     let Placed { z, kind, linear, closing_error } = place(topology, &clamped, pins, settings, checkpoint)?;
     checkpoint()?;
     let uv = finish(mesh, &z, pins).ok_or(LayoutError::NotFinite { kind })?;
-    Ok(Layout { uv, kind, linear, closing_error, moved_angles })
+    Ok(Layout { uv, kind, linear, closing_error, clamped_angles })
 }
 
 struct Placed {
@@ -317,13 +319,13 @@ mod tests {
     }
 
     #[test]
-    fn angles_outside_the_interval_are_moved_and_counted() {
+    fn angles_outside_the_interval_are_clamped_and_counted() {
         let mesh = Shape::Hemisphere.mesh(100);
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
         let mut angles = mesh.corner_angles();
         angles[7] = -0.1;
         angles[8] = 4.0;
         let laid_out = layout(&mesh, &topology, &angles, &LayoutSettings::default()).expect("a layout");
-        assert_eq!(laid_out.moved_angles, 2);
+        assert_eq!(laid_out.clamped_angles, 2);
     }
 }

@@ -6,7 +6,7 @@
 #![allow(clippy::print_stdout)]
 
 use abf_mesh::{Point2, TriMesh, UvMap};
-use abf_report::page::{Cell, MeshFragment, MeshSection, Run, assemble};
+use abf_report::page::{Cell, MeshFragment, MeshSection, SolverRun, assemble};
 use abf_report::svg::{SvgStyle, layout_svg};
 use abf_shapes::Shape;
 
@@ -62,8 +62,8 @@ fn layouts(mesh: &TriMesh) -> Vec<UvMap> {
     (0..SOLVERS.len() - 1).map(bent).collect()
 }
 
-fn runs<'a>(mesh: &'a TriMesh, layouts: &'a [UvMap]) -> Vec<Run<'a>> {
-    let run = |(k, solver): (usize, &'a &'static str)| Run {
+fn runs<'a>(mesh: &'a TriMesh, layouts: &'a [UvMap]) -> Vec<SolverRun<'a>> {
+    let run = |(k, solver): (usize, &'a &'static str)| SolverRun {
         solver,
         settings: [
             ("tolerance", "1e-9"),

@@ -17,6 +17,7 @@ const ASIDE: f64 = 0.5;
 
 /// From where the surface is seen.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum View {
     /// A three-quarter view with the y axis up. A surface that faces one way on the whole (a disk,
     /// a mask, a terrain) is seen from that side; any other across its longest horizontal extent.

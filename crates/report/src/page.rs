@@ -57,12 +57,12 @@ pub struct MeshSection<'a> {
     /// The surface; without it there are no pictures, and layouts are not judged.
     pub mesh: Option<&'a TriMesh>,
     /// The runs, in the order of the table. The same order for every mesh keeps a solver's colour.
-    pub runs: Vec<Run<'a>>,
+    pub runs: Vec<SolverRun<'a>>,
 }
 
 /// One run of one solver.
 #[derive(Clone, Debug, Default)]
-pub struct Run<'a> {
+pub struct SolverRun<'a> {
     /// The solver. A second run with the same name on one mesh is numbered.
     pub solver: &'a str,
     /// Its settings: names and values.
@@ -81,6 +81,7 @@ pub struct Run<'a> {
 
 /// A cell of the table of runs.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Cell {
     /// A text, sorted as such.
     Text(String),
@@ -122,9 +123,9 @@ impl MeshFragment {
 /// Renders a whole page at once; see [`assemble`] for doing so mesh by mesh.
 ///
 /// ```
-/// use abf_report::page::{MeshSection, Page, Run, render};
+/// use abf_report::page::{MeshSection, Page, SolverRun, render};
 ///
-/// let run = Run { solver: "linabf", failure: Some("not a disk".to_owned()), ..Run::default() };
+/// let run = SolverRun { solver: "linabf", failure: Some("not a disk".to_owned()), ..SolverRun::default() };
 /// let mesh = MeshSection { name: "<torus>", runs: vec![run], ..MeshSection::default() };
 /// let html = render(&Page { title: "Runs", machine: Vec::new(), meshes: vec![mesh] });
 /// assert!(html.starts_with("<!DOCTYPE html>") && html.contains("&lt;torus&gt;"));

@@ -116,10 +116,10 @@ impl Fit {
     }
 }
 
-/// The smallest box around all points. There must be one.
+/// The smallest box around all points; one that holds nothing where there are none.
 pub(crate) fn bounds(points: impl IntoIterator<Item = Point2<f64>>) -> (Point2<f64>, Point2<f64>) {
     let nothing = (Point2::from([f64::INFINITY; 2]), Point2::from([f64::NEG_INFINITY; 2]));
-    points.into_iter().fold(nothing, |(low, high), p| (low.inf(&p), high.sup(&p)))
+    abf_mesh::bounds(points).unwrap_or(nothing)
 }
 
 /// A pixel of which a part is covered by a colour.

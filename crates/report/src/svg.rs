@@ -33,6 +33,7 @@ const LARGEST: f64 = 1e7;
 
 /// The unit of length of an SVG file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SvgUnit {
     /// `mm`
     #[default]

@@ -8,6 +8,7 @@ pub const DEFAULT_FIXTURE: &str = "mask";
 
 /// A mesh that is kept as a file, and how it is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Fixture {
     /// The file's name without its extension.
     pub name: &'static str,

@@ -7,6 +7,7 @@ use std::str::FromStr;
 
 /// A family of disk meshes, one for every size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Shape {
     /// Three triangles around an apex whose angles sum to 2π − 4.56; of fixed size.
     Obtuse,
@@ -98,7 +99,7 @@ impl Shape {
     #[must_use]
     pub const fn description(self) -> &'static str {
         match self {
-            Self::Obtuse => "three triangles, apex deficit 4.56 (fixed size): needs the exponential-map estimate",
+            Self::Obtuse => "three triangles, apex deficit 4.56 (fixed size): needs the exponential-map initial guess",
             Self::Pyramid => "low six-sided pyramid without base: all curvature in one vertex",
             Self::Spike => "steep six-sided pyramid without base: deficit 4.19 in one vertex",
             Self::Hemisphere => "half a sphere in rings",

@@ -63,7 +63,7 @@ pub(crate) fn roll(triangles: usize) -> TriMesh {
 
 /// A flat sheet with a field of cones, one to each square of a coarse board, off centre and of
 /// slopes 0.35 to 1.25: angle deficits of 0.3 to 2.5 at the tips. A stress test: rings with a
-/// deficit above 1 are the ones for which one linear step changes its estimate.
+/// deficit above 1 are the ones for which one linear step changes its initial guess.
 pub(crate) fn spiky_field(triangles: usize) -> TriMesh {
     let grid = Grid::sized(triangles, 1.0, FEWEST_ROWS);
     let field = SpikeField::new(grid);

@@ -140,7 +140,7 @@ impl AngleSolver for AbfNewton {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abf_constraints::EstimateSettings;
+    use abf_constraints::GuessSettings;
     use abf_control::{Silent, Termination};
     use abf_mesh::Topology;
     use abf_shapes::Shape;
@@ -148,7 +148,7 @@ mod tests {
     fn solve(solver: &AbfNewton, shape: Shape, triangles: usize) -> AngleSolution {
         let mesh = shape.mesh(triangles);
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk");
         solver.solve(&problem, &StopCriteria::default(), &mut Silent).expect("angles")
     }
 
@@ -192,7 +192,7 @@ mod tests {
         let faces = [[0, 1, 2], [1, 0, 3], [2, 1, 3], [2, 3, 4], [0, 2, 4], [3, 0, 5]];
         let mesh = abf_mesh::TriMesh::new(points.map(Into::into).to_vec(), &faces).expect("a mesh");
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk");
         let solution = AbfNewton::abf().solve(&problem, &StopCriteria::default(), &mut Silent).expect("angles");
         assert!(solution.fallbacks() > 0, "it is given up");
     }

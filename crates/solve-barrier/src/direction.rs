@@ -2,7 +2,7 @@
 
 use crate::curvature::convex;
 use crate::dual::BoundMultipliers;
-use crate::place::Place;
+use crate::iterate::Iterate;
 use crate::system::StepSystem;
 use abf_constraints::AngleProblem;
 use abf_control::Checkpoint;
@@ -33,15 +33,15 @@ impl Direction {
         problem: &AngleProblem<'_>,
         system: &mut StepSystem,
         hessian: Hessian,
-        (place, multipliers, bounds, barrier): (&Place, &[f64], &BoundMultipliers, f64),
+        (iterate, multipliers, bounds, barrier): (&Iterate, &[f64], &BoundMultipliers, f64),
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
-        let (lambda, negative) = diagonal(problem, hessian, place, multipliers, bounds);
-        let of_objective = place.gradient(problem, barrier);
+        let (lambda, negative) = diagonal(problem, hessian, iterate, multipliers, bounds);
+        let of_objective = iterate.gradient(problem, barrier);
         let mut gradient = of_objective.clone();
-        add_transposed_product(problem.topology(), problem.rows(), &place.wheel, multipliers, &mut gradient);
+        add_transposed_product(problem.topology(), problem.rows(), &iterate.wheel, multipliers, &mut gradient);
         let mut step = KktVector::default();
-        let linear = system.solve(problem, place, &lambda, &gradient, &mut step, checkpoint)?;
+        let linear = system.solve(problem, iterate, &lambda, &gradient, &mut step, checkpoint)?;
         let slope = of_objective.iter().zip(&step.delta).map(|(g, d)| g * d).sum();
         Ok(Self { step, lambda, gradient, slope, negative, linear })
     }
@@ -51,11 +51,11 @@ impl Direction {
 fn diagonal(
     problem: &AngleProblem<'_>,
     hessian: Hessian,
-    place: &Place,
+    iterate: &Iterate,
     multipliers: &[f64],
     bounds: &BoundMultipliers,
 ) -> (Vec<f64>, usize) {
-    let (x, weight) = (&place.angles, problem.weight());
+    let (x, weight) = (&iterate.angles, problem.weight());
     let mut lambda: Vec<f64> = (0..x.len()).map(|c| 2.0 * weight[c] + bounds.curvature(c, x[c])).collect();
     if hessian == Hessian::GaussNewton {
         return (lambda, 0);

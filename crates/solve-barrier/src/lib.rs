@@ -42,14 +42,14 @@ mod curvature;
 mod direction;
 mod dual;
 mod filter;
+mod iterate;
 mod path;
-mod place;
 mod restore;
 mod run;
 mod search;
 mod system;
 
-use crate::run::Run;
+use crate::run::BarrierRun;
 use abf_constraints::AngleProblem;
 use abf_control::{Observer, SettingError, StopCriteria, Watch};
 use abf_solve_core::{AngleSolution, AngleSolver, Hessian, SolveError};
@@ -92,7 +92,7 @@ impl Default for Barrier {
 }
 
 impl Barrier {
-    /// Solves from these angles instead of the estimate of the problem: one per corner, rad, any that are finite. Those of
+    /// Solves from these angles instead of the initial guess of the problem: one per corner, rad, any that are finite. Those of
     /// a valid drawing satisfy the constraints already.
     ///
     /// # Errors
@@ -112,13 +112,13 @@ impl Barrier {
             return Err(SolveError::Unsupported("a start needs one finite angle for every corner"));
         }
         let mut watch = Watch::start(stop, observer);
-        let run = Run::new(*self, problem, start.to_vec(), &mut || watch.checkpoint())?;
+        let run = BarrierRun::new(*self, problem, start.to_vec(), &mut || watch.checkpoint())?;
         let (angles, termination, history) = run.solve(stop, &mut watch)?;
         Ok(AngleSolution::measure(problem, angles, termination, history))
     }
 }
 
-/// Solves from the estimate of the problem: [`Barrier::solve_from`].
+/// Solves from the initial guess of the problem: [`Barrier::solve_from`].
 impl AngleSolver for Barrier {
     fn name(&self) -> &'static str {
         "barrier"
@@ -155,7 +155,7 @@ impl AngleSolver for Barrier {
         stop: &StopCriteria,
         observer: &mut dyn Observer,
     ) -> Result<AngleSolution, SolveError> {
-        self.solve_from(problem, problem.estimate(), stop, observer)
+        self.solve_from(problem, problem.initial_guess(), stop, observer)
     }
 }
 

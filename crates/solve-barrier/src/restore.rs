@@ -1,7 +1,7 @@
 //! Back to the constraints, when the line search finds no acceptable step.
 
+use crate::iterate::Iterate;
 use crate::path::{advance, longest, nearer_end};
-use crate::place::Place;
 use crate::system::StepSystem;
 use abf_constraints::{AngleProblem, largest};
 use abf_control::{Checkpoint, IterationRecord};
@@ -14,22 +14,22 @@ const SHORTEST: f64 = 1e-6;
 const DECREASE: f64 = 1e-4;
 
 /// One step of LinABF in the metric of logarithms: the smallest `Σ (e/r)²`, `r` being the distances to the nearer of 0 and
-/// π, with `J e = −h`. It descends `‖h‖₁` whatever the place, and keeps close to where it is. `None` when no share of it
+/// π, with `J e = −h`. It descends `‖h‖₁` whatever the iterate, and keeps close to where it is. `None` when no share of it
 /// does any good.
 pub(crate) fn restored(
     problem: &AngleProblem<'_>,
     system: &mut StepSystem,
-    place: &Place,
+    iterate: &Iterate,
     fraction: f64,
     checkpoint: &mut Checkpoint<'_>,
-) -> Result<Option<(Place, IterationRecord)>, LinearError> {
-    let lambda: Vec<f64> = place.angles.iter().map(|&x| nearer_end(x).powi(-2)).collect();
+) -> Result<Option<(Iterate, IterationRecord)>, LinearError> {
+    let lambda: Vec<f64> = iterate.angles.iter().map(|&x| nearer_end(x).powi(-2)).collect();
     let mut out = KktVector::default();
-    let linear = system.solve(problem, place, &lambda, &vec![0.0; lambda.len()], &mut out, checkpoint)?;
-    let mut share = longest(&place.angles, &out.delta, fraction);
+    let linear = system.solve(problem, iterate, &lambda, &vec![0.0; lambda.len()], &mut out, checkpoint)?;
+    let mut share = longest(&iterate.angles, &out.delta, fraction);
     while share > SHORTEST {
-        let trial = Place::new(problem, advance(&place.angles, &out.delta, share));
-        if trial.is_finite() && trial.violation <= (1.0 - DECREASE * share) * place.violation {
+        let trial = Iterate::new(problem, advance(&iterate.angles, &out.delta, share));
+        if trial.is_finite() && trial.violation <= (1.0 - DECREASE * share) * iterate.violation {
             let record = IterationRecord {
                 step: largest(&out.delta),
                 step_length: share,

@@ -4,8 +4,8 @@ use crate::Barrier;
 use crate::direction::Direction;
 use crate::dual::BoundMultipliers;
 use crate::filter::Filter;
+use crate::iterate::Iterate;
 use crate::path::nearer_end;
-use crate::place::Place;
 use crate::restore::restored;
 use crate::search::{Search, entry};
 use crate::system::StepSystem;
@@ -42,11 +42,11 @@ const RECENTRING: f64 = 100.0;
 const RECENTRINGS: usize = 2;
 
 /// The workspace of one solve.
-pub(crate) struct Run<'p, 'a> {
+pub(crate) struct BarrierRun<'p, 'a> {
     settings: Barrier,
     problem: &'p AngleProblem<'a>,
     system: StepSystem,
-    place: Place,
+    iterate: Iterate,
     multipliers: Vec<f64>,
     bounds: BoundMultipliers,
     barrier: f64,
@@ -59,11 +59,11 @@ pub(crate) struct Run<'p, 'a> {
     best_residual: f64,
     history: Vec<IterationRecord>,
     recentred: usize,
-    /// Angles moved away from 0 and π since the last record.
-    moved: usize,
+    /// Angles clamped away from 0 and π since the last record.
+    clamped: usize,
 }
 
-/// How far a place is from the solution for one `μ`.
+/// How far an iterate is from the solution for one `μ`.
 struct Errors {
     /// `max |x dL/dx|`, the change of the Lagrangian per relative change of a distance.
     dual: f64,
@@ -73,33 +73,33 @@ struct Errors {
     primal: f64,
 }
 
-impl<'p, 'a> Run<'p, 'a> {
+impl<'p, 'a> BarrierRun<'p, 'a> {
     pub(crate) fn new(
         settings: Barrier,
         problem: &'p AngleProblem<'a>,
         mut angles: Vec<f64>,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
-        let moved = problem.moved_angles() + pushed_inside(&mut angles);
+        let clamped = problem.clamped_angles() + pushed_inside(&mut angles);
         let system = StepSystem::new(problem, checkpoint)?;
-        let place = Place::new(problem, angles);
+        let iterate = Iterate::new(problem, angles);
         let barrier = settings.barrier_start;
         Ok(Self {
             settings,
             problem,
             system,
             multipliers: vec![0.0; problem.rows().len()],
-            bounds: BoundMultipliers::centred(&place.angles, barrier),
+            bounds: BoundMultipliers::centred(&iterate.angles, barrier),
             barrier,
             floor: settings.barrier_floor,
-            filter: Filter::new(TOO_LARGE * place.violation.max(1.0)),
-            first_violation: place.violation,
-            best: place.angles.clone(),
+            filter: Filter::new(TOO_LARGE * iterate.violation.max(1.0)),
+            first_violation: iterate.violation,
+            best: iterate.angles.clone(),
             best_residual: f64::INFINITY,
-            place,
+            iterate,
             history: Vec::new(),
             recentred: 0,
-            moved,
+            clamped,
         })
     }
 
@@ -126,7 +126,7 @@ impl<'p, 'a> Run<'p, 'a> {
                 break end;
             }
         };
-        let angles = if termination.is_as_asked() { self.place.angles } else { self.best };
+        let angles = if termination.is_as_asked() { self.iterate.angles } else { self.best };
         Ok((angles, termination, self.history))
     }
 
@@ -135,13 +135,13 @@ impl<'p, 'a> Run<'p, 'a> {
         if !self.history.is_empty() {
             self.lower_barrier();
         }
-        let at = (&self.place, self.multipliers.as_slice(), &self.bounds, self.barrier);
+        let at = (&self.iterate, self.multipliers.as_slice(), &self.bounds, self.barrier);
         let direction =
             Direction::new(self.problem, &mut self.system, self.settings.hessian, at, &mut || watch.checkpoint())?;
         let search = Search {
             problem: self.problem,
             system: &mut self.system,
-            place: &self.place,
+            iterate: &self.iterate,
             direction: &direction,
             filter: &self.filter,
             barrier: self.barrier,
@@ -149,7 +149,7 @@ impl<'p, 'a> Run<'p, 'a> {
             small_violation: SMALL * self.first_violation.max(1.0),
         };
         let Some(found) = search.run() else {
-            self.filter.add(entry(&self.place, self.barrier));
+            self.filter.add(entry(&self.iterate, self.barrier));
             return self.restore(stop, watch);
         };
         if let Some(entry) = found.entry {
@@ -164,11 +164,11 @@ impl<'p, 'a> Run<'p, 'a> {
             negative_curvature: direction.negative,
             ..IterationRecord::default()
         };
-        let (from, delta) = (&self.place.angles, &direction.step.delta);
-        self.bounds.advance(from, delta, &found.place.angles, self.barrier, self.settings.fraction);
+        let (from, delta) = (&self.iterate.angles, &direction.step.delta);
+        self.bounds.advance(from, delta, &found.iterate.angles, self.barrier, self.settings.fraction);
         let changes = self.multipliers.iter_mut().zip(&direction.step.multipliers);
         changes.for_each(|(m, d)| *m += found.share * d);
-        self.place = found.place;
+        self.iterate = found.iterate;
         self.record(record, watch)?;
         Ok(true)
     }
@@ -194,18 +194,18 @@ impl<'p, 'a> Run<'p, 'a> {
     }
 
     fn errors(&self) -> Errors {
-        let x = &self.place.angles;
+        let x = &self.iterate.angles;
         let (target, weight) = (self.problem.target(), self.problem.weight());
         let of = |c: usize| 2.0 * weight[c] * (x[c] - target[c]) + self.bounds.gradient(c);
         let mut gradient: Vec<f64> = (0..x.len()).map(of).collect();
         let (topology, rows) = (self.problem.topology(), self.problem.rows());
-        add_transposed_product(topology, rows, &self.place.wheel, &self.multipliers, &mut gradient);
+        add_transposed_product(topology, rows, &self.iterate.wheel, &self.multipliers, &mut gradient);
         let dual = gradient.iter().zip(x).fold(0.0, |most: f64, (g, &x)| most.max((g * nearer_end(x)).abs()));
         let complementarity = self.bounds.complementarity(x, self.barrier);
-        Errors { dual, complementarity, primal: largest(&self.place.residual) }
+        Errors { dual, complementarity, primal: largest(&self.iterate.residual) }
     }
 
-    /// Lowers `μ` as long as the place is near the solution for it (Fiacco–McCormick).
+    /// Lowers `μ` as long as the iterate is near the solution for it (Fiacco–McCormick).
     fn lower_barrier(&mut self) {
         while self.barrier > self.floor {
             let errors = self.errors();
@@ -226,22 +226,22 @@ impl<'p, 'a> Run<'p, 'a> {
         /// An angle has vanished only if it is below this part of its target, too.
         const SHRUNK: f64 = 0.1;
         let least = |a: f64| self.settings.smallest_angle.min(SHRUNK * a);
-        let pairs = self.place.angles.iter().zip(self.problem.target());
+        let pairs = self.iterate.angles.iter().zip(self.problem.target());
         pairs.fold(f64::INFINITY, |room, (x, &a)| room.min(x / least(a)))
     }
 
-    /// Steps towards the constraints until the filter accepts the place; `false` if that fails.
+    /// Steps towards the constraints until the filter accepts the iterate; `false` if that fails.
     fn restore(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Result<bool, LinearError> {
-        let start = self.place.violation;
+        let start = self.iterate.violation;
         for _ in 0..RESTORATIONS {
             let (system, fraction) = (&mut self.system, self.settings.fraction);
-            let restored = restored(self.problem, system, &self.place, fraction, &mut || watch.checkpoint())?;
-            let Some((place, record)) = restored else {
+            let restored = restored(self.problem, system, &self.iterate, fraction, &mut || watch.checkpoint())?;
+            let Some((iterate, record)) = restored else {
                 return Ok(false);
             };
-            self.place = place;
+            self.iterate = iterate;
             self.record(IterationRecord { fallback: Some(Fallback::LineSearch), ..record }, watch)?;
-            let reached = (self.place.violation, self.place.objective(self.barrier));
+            let reached = (self.iterate.violation, self.iterate.objective(self.barrier));
             if reached.0 <= RESTORED * start && self.filter.accepts(reached) {
                 self.forget_multipliers();
                 return Ok(true);
@@ -262,13 +262,13 @@ impl<'p, 'a> Run<'p, 'a> {
             return Some(Termination::Stalled);
         }
         self.recentred += 1;
-        let mut angles = self.place.angles.clone();
-        self.moved += pushed_inside(&mut angles);
-        self.place = Place::new(self.problem, angles);
+        let mut angles = self.iterate.angles.clone();
+        self.clamped += pushed_inside(&mut angles);
+        self.iterate = Iterate::new(self.problem, angles);
         self.barrier = self.settings.barrier_start * RECENTRING.powi(self.recentred as i32);
         self.floor = self.settings.barrier_floor;
-        self.filter = Filter::new(TOO_LARGE * self.place.violation.max(1.0));
-        self.first_violation = self.place.violation;
+        self.filter = Filter::new(TOO_LARGE * self.iterate.violation.max(1.0));
+        self.first_violation = self.iterate.violation;
         self.forget_multipliers();
         None
     }
@@ -276,52 +276,53 @@ impl<'p, 'a> Run<'p, 'a> {
     /// The next step finds them anew.
     fn forget_multipliers(&mut self) {
         self.multipliers.fill(0.0);
-        self.bounds = BoundMultipliers::centred(&self.place.angles, self.barrier);
+        self.bounds = BoundMultipliers::centred(&self.iterate.angles, self.barrier);
     }
 
     fn record(&mut self, mut record: IterationRecord, watch: &mut Watch<'_>) -> Result<(), Cancelled> {
         record.iteration = self.history.len() + 1;
-        record.constraint_residual = constraint_residual(self.problem, &self.place.angles, &self.place.residual);
-        record.energy = Some(self.place.energy);
-        record.moved_angles = std::mem::take(&mut self.moved);
+        record.constraint_residual = constraint_residual(self.problem, &self.iterate.angles, &self.iterate.residual);
+        record.energy = Some(self.iterate.energy);
+        record.clamped_angles = std::mem::take(&mut self.clamped);
         if record.constraint_residual <= self.best_residual {
             self.best_residual = record.constraint_residual;
-            self.best.clone_from(&self.place.angles);
+            self.best.clone_from(&self.iterate.angles);
         }
         self.history.push(record);
         watch.iteration(&record)
     }
 }
 
-/// Moves every angle to at least [`START_DISTANCE`] from 0 and π; how many were moved.
+/// Clamps every angle to at least [`START_DISTANCE`] from 0 and π; how many were clamped.
 fn pushed_inside(angles: &mut [f64]) -> usize {
-    let mut moved = 0;
+    let mut clamped = 0;
     for x in angles {
         let inside = x.clamp(START_DISTANCE, PI - START_DISTANCE);
-        moved += usize::from(inside != *x);
+        clamped += usize::from(inside != *x);
         *x = inside;
     }
-    moved
+    clamped
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abf_constraints::EstimateSettings;
+    use abf_constraints::GuessSettings;
     use abf_control::Silent;
     use abf_mesh::Topology;
     use abf_shapes::Shape;
 
-    /// Runs a problem whose angles want to leave, and shows every place to `look`.
-    fn step_by_step(steps: usize, mut look: impl FnMut(&mut Run<'_, '_>)) {
+    /// Runs a problem whose angles want to leave, and shows every iterate to `look`.
+    fn step_by_step(steps: usize, mut look: impl FnMut(&mut BarrierRun<'_, '_>)) {
         let mesh = Shape::Spike.mesh(600);
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk");
         let stop = StopCriteria::default();
         let mut silent = Silent;
         let mut watch = Watch::start(&stop, &mut silent);
         let settings = Barrier { barrier_floor: 1e-8, smallest_angle: 0.0, ..Barrier::default() };
-        let mut run = Run::new(settings, &problem, vec![1e-12; 3 * mesh.face_count()], &mut || Ok(())).expect("fits");
+        let mut run =
+            BarrierRun::new(settings, &problem, vec![1e-12; 3 * mesh.face_count()], &mut || Ok(())).expect("fits");
         for _ in 0..steps {
             assert_eq!(run.iterate(&stop, &mut watch), Ok(true));
             look(&mut run);
@@ -331,19 +332,19 @@ mod tests {
     #[test]
     fn every_place_is_strictly_inside() {
         step_by_step(25, |run| {
-            assert!(run.place.angles.iter().all(|&x| x > 0.0 && x < PI));
+            assert!(run.iterate.angles.iter().all(|&x| x > 0.0 && x < PI));
         });
     }
 
     #[test]
     fn restoration_reduces_the_violation() {
         step_by_step(1, |run| {
-            let before = run.place.violation;
+            let before = run.iterate.violation;
             let stop = StopCriteria::default();
             let mut silent = Silent;
             let mut watch = Watch::start(&stop, &mut silent);
             assert_eq!(run.restore(&stop, &mut watch), Ok(true));
-            assert!(run.place.violation <= RESTORED * before);
+            assert!(run.iterate.violation <= RESTORED * before);
             assert!(run.multipliers.iter().all(|&m| m == 0.0));
             assert!(run.history.last().is_some_and(|last| last.fallback == Some(Fallback::LineSearch)));
         });
@@ -352,11 +353,11 @@ mod tests {
     #[test]
     fn a_run_is_recentred_so_often_and_no_more() {
         step_by_step(3, |run| {
-            run.place = Place::new(run.problem, vec![1e-9; run.place.angles.len()]);
+            run.iterate = Iterate::new(run.problem, vec![1e-9; run.iterate.angles.len()]);
             let barrier = run.settings.barrier_start;
             if run.recentred < RECENTRINGS {
                 assert_eq!(run.recentre(), None);
-                assert!(run.barrier > barrier && run.place.angles.iter().all(|&x| x >= START_DISTANCE));
+                assert!(run.barrier > barrier && run.iterate.angles.iter().all(|&x| x >= START_DISTANCE));
             } else {
                 assert_eq!(run.recentre(), Some(Termination::Stalled));
             }

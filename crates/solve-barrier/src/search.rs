@@ -2,8 +2,8 @@
 
 use crate::direction::Direction;
 use crate::filter::Filter;
+use crate::iterate::Iterate;
 use crate::path::{advance, longest, nearer_end};
-use crate::place::Place;
 use crate::system::StepSystem;
 use abf_constraints::AngleProblem;
 use abf_solve_core::KktVector;
@@ -35,7 +35,7 @@ const NEGLIGIBLE: f64 = 1e-8;
 pub(crate) struct Search<'s, 'p, 'a> {
     pub(crate) problem: &'p AngleProblem<'a>,
     pub(crate) system: &'s mut StepSystem,
-    pub(crate) place: &'s Place,
+    pub(crate) iterate: &'s Iterate,
     pub(crate) direction: &'s Direction,
     pub(crate) filter: &'s Filter,
     pub(crate) barrier: f64,
@@ -48,7 +48,7 @@ pub(crate) struct Search<'s, 'p, 'a> {
 /// Where a step led.
 #[derive(Debug)]
 pub(crate) struct Found {
-    pub(crate) place: Place,
+    pub(crate) iterate: Iterate,
     pub(crate) share: f64,
     /// What the filter refuses from now on, if the step was not a mere descent of the objective.
     pub(crate) entry: Option<(f64, f64)>,
@@ -56,31 +56,31 @@ pub(crate) struct Found {
     pub(crate) corrections: usize,
 }
 
-/// What must not be come back to after leaving a place: its violation and objective, each less a margin.
-pub(crate) fn entry(place: &Place, barrier: f64) -> (f64, f64) {
-    ((1.0 - GAMMA_THETA) * place.violation, place.objective(barrier) - GAMMA_PHI * place.violation)
+/// What must not be come back to after leaving an iterate: its violation and objective, each less a margin.
+pub(crate) fn entry(iterate: &Iterate, barrier: f64) -> (f64, f64) {
+    ((1.0 - GAMMA_THETA) * iterate.violation, iterate.objective(barrier) - GAMMA_PHI * iterate.violation)
 }
 
 impl Search<'_, '_, '_> {
     /// Halves the share of the step until a trial is acceptable; the first one is corrected before it is given up.
     pub(crate) fn run(mut self) -> Option<Found> {
-        let (angles, delta) = (&self.place.angles, &self.direction.step.delta);
+        let (angles, delta) = (&self.iterate.angles, &self.direction.step.delta);
         let first = longest(angles, delta, self.fraction);
         let negligible = angles.iter().zip(delta).all(|(&x, d)| d.abs() <= NEGLIGIBLE * nearer_end(x));
         let mut corrections = 0;
         let mut share = first;
         while share > SHORTEST * first {
-            let trial = Place::new(self.problem, advance(angles, delta, share));
+            let trial = Iterate::new(self.problem, advance(angles, delta, share));
             if negligible && trial.is_finite() {
-                return Some(Found { place: trial, share, entry: None, corrections });
+                return Some(Found { iterate: trial, share, entry: None, corrections });
             }
             if let Some(entry) = self.judge(&trial, share) {
-                return Some(Found { place: trial, share, entry, corrections });
+                return Some(Found { iterate: trial, share, entry, corrections });
             }
             if share == first && trial.is_finite() {
                 let corrected = self.correct(trial, share, &mut corrections);
-                if let Some((place, entry)) = corrected {
-                    return Some(Found { place, share, entry, corrections });
+                if let Some((iterate, entry)) = corrected {
+                    return Some(Found { iterate, share, entry, corrections });
                 }
             }
             share *= 0.5;
@@ -89,8 +89,8 @@ impl Search<'_, '_, '_> {
     }
 
     /// `None` for a trial to refuse; else what the filter has to learn from leaving.
-    fn judge(&self, trial: &Place, share: f64) -> Option<Option<(f64, f64)>> {
-        let (violation, objective) = (self.place.violation, self.place.objective(self.barrier));
+    fn judge(&self, trial: &Iterate, share: f64) -> Option<Option<(f64, f64)>> {
+        let (violation, objective) = (self.iterate.violation, self.iterate.objective(self.barrier));
         let rounding = ROUNDINGS * f64::EPSILON * objective.abs();
         let reached = (trial.violation, trial.objective(self.barrier) - rounding);
         if !trial.is_finite() || !self.filter.accepts(reached) {
@@ -103,24 +103,24 @@ impl Search<'_, '_, '_> {
         if promises && violation <= self.small_violation {
             return is_descent.then_some(None);
         }
-        let (most_violation, most_objective) = entry(self.place, self.barrier);
+        let (most_violation, most_objective) = entry(self.iterate, self.barrier);
         let improves = reached.0 <= most_violation || reached.1 <= most_objective;
         improves.then(|| (!is_descent).then_some((most_violation, most_objective)))
     }
 
     /// Second-order corrections: `J e` is to take back what the trial left of the constraints.
-    fn correct(&mut self, trial: Place, share: f64, solves: &mut usize) -> Option<(Place, Option<(f64, f64)>)> {
+    fn correct(&mut self, trial: Iterate, share: f64, solves: &mut usize) -> Option<(Iterate, Option<(f64, f64)>)> {
         let mut scale = share;
-        let mut residual = self.place.residual.clone();
+        let mut residual = self.iterate.residual.clone();
         let mut last = trial;
         while *solves < CORRECTIONS {
             residual.iter_mut().zip(&last.residual).for_each(|(r, h)| *r = scale * *r + h);
             let mut step = KktVector::default();
             let Direction { lambda, gradient, .. } = self.direction;
-            self.system.solve_again(self.problem, self.place, lambda, gradient, &residual, &mut step).ok()?;
+            self.system.solve_again(self.problem, self.iterate, lambda, gradient, &residual, &mut step).ok()?;
             *solves += 1;
-            scale = longest(&self.place.angles, &step.delta, self.fraction);
-            let trial = Place::new(self.problem, advance(&self.place.angles, &step.delta, scale));
+            scale = longest(&self.iterate.angles, &step.delta, self.fraction);
+            let trial = Iterate::new(self.problem, advance(&self.iterate.angles, &step.delta, scale));
             if let Some(entry) = self.judge(&trial, share) {
                 return Some((trial, entry));
             }

@@ -1,6 +1,6 @@
 //! The linear system of a step, factorised once and solved for several right-hand sides.
 
-use crate::place::Place;
+use crate::iterate::Iterate;
 use abf_constraints::AngleProblem;
 use abf_control::Checkpoint;
 use abf_linalg::{Cholesky, LinearError, LinearStats, Refinement, SymbolicCholesky, SymmetricMatrix};
@@ -29,39 +29,39 @@ impl StepSystem {
         Ok(Self { reduced, symbolic, matrix, rhs, factors: None })
     }
 
-    /// Factorises for a new `Λ` and place, and solves.
+    /// Factorises for a new `Λ` and iterate, and solves.
     pub(crate) fn solve(
         &mut self,
         problem: &AngleProblem<'_>,
-        place: &Place,
+        iterate: &Iterate,
         lambda: &[f64],
         gradient: &[f64],
         out: &mut KktVector,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<LinearStats, LinearError> {
         self.factors = None;
-        self.solve_asking(problem, place, lambda, gradient, &place.residual, out, checkpoint)
+        self.solve_asking(problem, iterate, lambda, gradient, &iterate.residual, out, checkpoint)
     }
 
-    /// Solves with the factors at hand for other `g` and `h`; place and `Λ` must be those of the last
+    /// Solves with the factors at hand for other `g` and `h`; iterate and `Λ` must be those of the last
     /// [`StepSystem::solve`].
     pub(crate) fn solve_again(
         &mut self,
         problem: &AngleProblem<'_>,
-        place: &Place,
+        iterate: &Iterate,
         lambda: &[f64],
         gradient: &[f64],
         residual: &[f64],
         out: &mut KktVector,
     ) -> Result<LinearStats, LinearError> {
-        self.solve_asking(problem, place, lambda, gradient, residual, out, &mut || Ok(()))
+        self.solve_asking(problem, iterate, lambda, gradient, residual, out, &mut || Ok(()))
     }
 
     #[allow(clippy::too_many_arguments, reason = "a step is made of these")]
     fn solve_asking(
         &mut self,
         problem: &AngleProblem<'_>,
-        place: &Place,
+        iterate: &Iterate,
         lambda: &[f64],
         gradient: &[f64],
         residual: &[f64],
@@ -74,7 +74,7 @@ impl StepSystem {
             lambda,
             gauss_newton: lambda,
             off_diagonal: None,
-            wheel: &place.wheel,
+            wheel: &iterate.wheel,
             gradient,
             residual,
         };

@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 /// How angles are kept inside (0, π).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum BoundRule {
     /// Take the step, then move what left the interval to this distance from its ends, rad
     /// (in the spirit of LinABF's end of §6 and of ABF++).
@@ -35,20 +36,20 @@ impl BoundRule {
         }
     }
 
-    /// Where a step of this share ends, and how many angles were moved to the bounds.
+    /// Where a step of this share ends, and how many angles were clamped to the bounds.
     pub(crate) fn advance(self, angles: &[f64], delta: &[f64], share: f64) -> (Vec<f64>, usize) {
-        let mut moved = 0;
+        let mut clamped = 0;
         let stepped = angles.iter().zip(delta).map(|(x, d)| x + share * d);
         let next = stepped
             .map(|x| match self {
                 Self::Clamp(bound) if !(bound..=PI - bound).contains(&x) => {
-                    moved += 1;
+                    clamped += 1;
                     x.clamp(bound, PI - bound)
                 }
                 _ => x,
             })
             .collect();
-        (next, moved)
+        (next, clamped)
     }
 }
 
@@ -56,6 +57,7 @@ impl BoundRule {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, strum::Display, strum::EnumString, strum::VariantNames)]
 #[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum LineSearch {
     /// The longest step the bound rule allows, unseen (ABF++).
     Full,
@@ -94,7 +96,7 @@ pub(crate) struct Merit<'p, 'a> {
 pub(crate) struct Accepted {
     pub angles: Vec<f64>,
     pub share: f64,
-    pub moved: usize,
+    pub clamped: usize,
 }
 
 impl<'p, 'a> Merit<'p, 'a> {
@@ -121,8 +123,8 @@ impl<'p, 'a> Merit<'p, 'a> {
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Option<Accepted>, Cancelled> {
         if delta.iter().all(|d| d.abs() <= INVISIBLE_STEP) {
-            let (angles, moved) = rule.advance(angles, delta, 1.0);
-            return Ok(Some(Accepted { angles, share: 1.0, moved }));
+            let (angles, clamped) = rule.advance(angles, delta, 1.0);
+            return Ok(Some(Accepted { angles, share: 1.0, clamped }));
         }
         let largest = multipliers.iter().fold(0.0, |max: f64, m| max.max(m.abs()));
         self.penalty = self.penalty.max(MULTIPLIER_MARGIN * largest);
@@ -136,9 +138,9 @@ impl<'p, 'a> Merit<'p, 'a> {
         let mut share = rule.longest_step(angles, delta);
         for _ in 0..MAX_BACKTRACKS {
             checkpoint()?;
-            let (next, moved) = rule.advance(angles, delta, share);
+            let (next, clamped) = rule.advance(angles, delta, share);
             if self.value(&next) <= start + ARMIJO * share * slope + noise {
-                return Ok(Some(Accepted { angles: next, share, moved }));
+                return Ok(Some(Accepted { angles: next, share, clamped }));
             }
             share *= BACKTRACK;
         }
@@ -174,7 +176,7 @@ mod tests {
 
     #[test]
     fn clamping_moves_and_counts() {
-        let (next, moved) = BoundRule::Clamp(1e-3).advance(&[1.0, 2.0, 3.0], &[-2.0, 0.5, 1.0], 1.0);
-        assert_eq!((next, moved), (vec![1e-3, 2.5, PI - 1e-3], 2));
+        let (next, clamped) = BoundRule::Clamp(1e-3).advance(&[1.0, 2.0, 3.0], &[-2.0, 0.5, 1.0], 1.0);
+        assert_eq!((next, clamped), (vec![1e-3, 2.5, PI - 1e-3], 2));
     }
 }

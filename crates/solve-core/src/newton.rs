@@ -94,7 +94,7 @@ impl NewtonSettings {
         self.run(problem, stop, &mut watch, &mut step)
     }
 
-    /// Iterates from the estimate of the problem until the criteria are met: the constraint residual
+    /// Iterates from the initial guess of the problem until the criteria are met: the constraint residual
     /// *and* a last full step small.
     ///
     /// # Errors
@@ -120,7 +120,7 @@ impl NewtonSettings {
         watch: &mut Watch<'_>,
         step: &mut dyn KktStep,
     ) -> Result<AngleSolution, SolveError> {
-        let mut run = Run::new(problem, *self);
+        let mut run = NewtonRun::new(problem, *self);
         let termination = loop {
             match run.iterate(step, watch) {
                 Ok(true) => {}
@@ -176,7 +176,7 @@ impl NewtonSettings {
 }
 
 /// The workspace of one solve.
-struct Run<'p, 'a> {
+struct NewtonRun<'p, 'a> {
     problem: &'p AngleProblem<'a>,
     settings: NewtonSettings,
     merit: Merit<'p, 'a>,
@@ -204,9 +204,9 @@ struct Attempt {
     out: KktVector,
 }
 
-impl<'p, 'a> Run<'p, 'a> {
+impl<'p, 'a> NewtonRun<'p, 'a> {
     fn new(problem: &'p AngleProblem<'a>, settings: NewtonSettings) -> Self {
-        let angles = problem.estimate().to_vec();
+        let angles = problem.initial_guess().to_vec();
         Self {
             problem,
             settings,
@@ -236,7 +236,7 @@ impl<'p, 'a> Run<'p, 'a> {
         }
         let Attempt { accepted, mut record, out } = attempt;
         // An attempt that found no descent stays where it is, and is in the history all the same.
-        let accepted = accepted.unwrap_or_else(|| Accepted { angles: self.angles.clone(), share: 0.0, moved: 0 });
+        let accepted = accepted.unwrap_or_else(|| Accepted { angles: self.angles.clone(), share: 0.0, clamped: 0 });
 
         self.angles = accepted.angles;
         self.multipliers.iter_mut().zip(&out.multipliers).for_each(|(m, d)| *m += accepted.share * d);
@@ -244,7 +244,8 @@ impl<'p, 'a> Run<'p, 'a> {
         record.constraint_residual = max_residual(self.problem.topology(), self.problem.rows(), &self.angles);
         record.energy = Some(self.problem.energy(&self.angles));
         record.step_length = accepted.share;
-        record.moved_angles = accepted.moved + if self.history.is_empty() { self.problem.moved_angles() } else { 0 };
+        record.clamped_angles =
+            accepted.clamped + if self.history.is_empty() { self.problem.clamped_angles() } else { 0 };
         if record.constraint_residual <= self.best_residual {
             self.best_residual = record.constraint_residual;
             self.best.clone_from(&self.angles);
@@ -335,8 +336,8 @@ impl<'p, 'a> Run<'p, 'a> {
         match self.settings.line_search {
             LineSearch::Full => {
                 let share = rule.longest_step(&self.angles, &out.delta);
-                let (angles, moved) = rule.advance(&self.angles, &out.delta, share);
-                Ok(angles.iter().all(|x| x.is_finite()).then_some(Accepted { angles, share, moved }))
+                let (angles, clamped) = rule.advance(&self.angles, &out.delta, share);
+                Ok(angles.iter().all(|x| x.is_finite()).then_some(Accepted { angles, share, clamped }))
             }
             LineSearch::Merit => {
                 let next: Vec<f64> = self.multipliers.iter().zip(&out.multipliers).map(|(m, d)| m + d).collect();

@@ -93,10 +93,10 @@ impl AngleSolution {
         self.history.iter().filter(|r| r.fallback.is_some()).count()
     }
 
-    /// How many times an angle was moved to the angle bounds, all passes together, the estimate
+    /// How many times an angle was clamped to the angle bounds, all passes together, the initial guess
     /// included.
     #[must_use]
-    pub fn moved_angles(&self) -> usize {
-        self.history.iter().map(|r| r.moved_angles).sum()
+    pub fn clamped_angles(&self) -> usize {
+        self.history.iter().map(|r| r.clamped_angles).sum()
     }
 }

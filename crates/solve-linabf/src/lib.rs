@@ -1,6 +1,6 @@
 //! Linear angle-based flattening: Zayer, Lévy, Seidel, *Linear Angle Based Parameterization*, SGP 2007.
 //!
-//! Instead of the angles themselves, LinABF looks for the error `e` of an estimate `α` of them.
+//! Instead of the angles themselves, LinABF looks for the error `e` of an initial guess `α` of them.
 //! Linearised in the error, the wheel condition becomes
 //!
 //! ```text
@@ -16,7 +16,7 @@
 //!
 //! which is one quadratic step of the family with `Λ = 2/α²` and `g = 0`. The linearisation is off
 //! by the square of the error, so one pass is often all there is to do; further passes re-centre:
-//! they take the result, kept inside the angle bounds, as the next estimate (end of §6).
+//! they take the result, kept inside the angle bounds, as the next guess (end of §6).
 
 use abf_constraints::{AngleProblem, WheelDerivative, largest, linearise};
 use abf_control::{IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
@@ -32,6 +32,7 @@ use std::str::FromStr;
 /// How many passes to make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum Passes {
     /// Until the constraint residual meets the tolerance or stops improving.
     #[default]
@@ -109,14 +110,14 @@ impl AngleSolver for LinAbf {
         stop.check()?;
         let mut watch = Watch::start(stop, observer);
         let inner = self.inner(problem, stop, &mut watch)?;
-        let first = linearise(problem.rows(), problem.estimate());
+        let first = linearise(problem.rows(), problem.initial_guess());
         watch.checkpoint()?;
-        let mut run = Run::new(problem, inner, first);
+        let mut run = LinAbfRun::new(problem, inner, first);
         let termination = loop {
             match run.pass(stop, &mut watch) {
                 Ok(()) => {}
                 Err(StepError::Linear(error)) if run.history.is_empty() => return Err(error.into()),
-                // The angles so far are usable; the next estimate was not.
+                // The angles so far are usable; the next guess was not.
                 Err(StepError::Linear(_)) => break Termination::Stalled,
                 Err(StepError::Cancelled(cancelled)) => return Err(cancelled.into()),
                 Err(_) => break watch.interruption().unwrap_or(Termination::Cancelled),
@@ -131,7 +132,7 @@ impl AngleSolver for LinAbf {
 }
 
 impl LinAbf {
-    /// A number of passes is that many factorisations of `S`, each in the metric of its own estimate. Passes
+    /// A number of passes is that many factorisations of `S`, each in the metric of its own guess. Passes
     /// until the residual is met start close to each other: they keep the metric of the first, and each
     /// computes no more digits than the next can use.
     fn inner(
@@ -143,7 +144,7 @@ impl LinAbf {
         let (topology, rows) = (problem.topology(), problem.rows());
         Ok(match self.passes {
             Passes::Auto if stop.max_iterations > 1 => {
-                let lambda = metric(problem.estimate());
+                let lambda = metric(problem.initial_guess());
                 Inner::Inexact(Box::new(LeastCorrection::new(topology, rows, lambda, &mut || watch.checkpoint())?))
             }
             _ => Inner::Direct(Box::new(DirectStep::asking(topology, rows, &mut || watch.checkpoint())?)),
@@ -151,7 +152,7 @@ impl LinAbf {
     }
 
     /// Whether the passes so far are enough.
-    fn verdict(&self, run: &Run<'_, '_>, stop: &StopCriteria) -> Option<Termination> {
+    fn verdict(&self, run: &LinAbfRun<'_, '_>, stop: &StopCriteria) -> Option<Termination> {
         let done = run.history.len();
         let limit = match self.passes {
             Passes::Auto => stop.max_iterations,
@@ -174,8 +175,8 @@ impl LinAbf {
 const PER_TASK: usize = 1 << 13;
 
 /// `Λ = 2/α²` (LinABF eq. (12)).
-fn metric(estimate: &[f64]) -> Vec<f64> {
-    estimate.par_iter().with_min_len(PER_TASK).map(|x| 2.0 / (x * x)).collect()
+fn metric(guess: &[f64]) -> Vec<f64> {
+    guess.par_iter().with_min_len(PER_TASK).map(|x| 2.0 / (x * x)).collect()
 }
 
 /// What solves for the correction of a pass.
@@ -185,10 +186,10 @@ enum Inner {
 }
 
 /// The workspace of one solve.
-struct Run<'p, 'a> {
+struct LinAbfRun<'p, 'a> {
     problem: &'p AngleProblem<'a>,
     inner: Inner,
-    /// The result of the last pass; before the first, the estimate.
+    /// The result of the last pass; before the first, the initial guess.
     angles: Vec<f64>,
     /// The constraints at `angles` and their derivative.
     residual: Vec<f64>,
@@ -202,16 +203,16 @@ struct Run<'p, 'a> {
     history: Vec<IterationRecord>,
 }
 
-impl<'p, 'a> Run<'p, 'a> {
+impl<'p, 'a> LinAbfRun<'p, 'a> {
     fn new(problem: &'p AngleProblem<'a>, inner: Inner, (residual, wheel): (Vec<f64>, WheelDerivative)) -> Self {
         Self {
             problem,
             inner,
-            angles: problem.estimate().to_vec(),
+            angles: problem.initial_guess().to_vec(),
             residual,
             wheel,
             residual_before: f64::NAN,
-            best: problem.estimate().to_vec(),
+            best: problem.initial_guess().to_vec(),
             best_residual: f64::INFINITY,
             passes_without_improvement: 0,
             history: Vec::new(),
@@ -220,11 +221,11 @@ impl<'p, 'a> Run<'p, 'a> {
 
     /// One pass: from the last angles, kept inside the bounds, to the least-norm correction.
     fn pass(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Result<(), StepError> {
-        let moved = self.problem.clamp(&mut self.angles);
-        if moved > 0 {
+        let clamped = self.problem.clamp(&mut self.angles);
+        if clamped > 0 {
             (self.residual, self.wheel) = linearise(self.problem.rows(), &self.angles);
         }
-        let moved_angles = if self.history.is_empty() { self.problem.moved_angles() } else { moved };
+        let clamped_angles = if self.history.is_empty() { self.problem.clamped_angles() } else { clamped };
         let before = largest(&self.residual);
         let target = self.target(before, stop);
         let (report, correction) = self.correction(target, watch)?;
@@ -242,7 +243,7 @@ impl<'p, 'a> Run<'p, 'a> {
             inner_residual: report.relative_residual,
             inner_estimate: report.estimate,
             inner_converged: report.inner_converged,
-            moved_angles,
+            clamped_angles,
             step_length: 1.0,
             ..IterationRecord::default()
         };

@@ -184,7 +184,7 @@ impl SaddlePoint for Saddle<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abf_constraints::{AngleProblem, EstimateSettings};
+    use abf_constraints::{AngleProblem, GuessSettings};
     use abf_control::{Silent, StopCriteria};
     use abf_shapes::Shape;
     use abf_solve_core::{DirectStep, InnerTolerance, NewtonSettings};
@@ -223,7 +223,7 @@ mod tests {
     fn bent(settings: IterativeSettings, bend: impl Fn(&mut [f64])) -> StepReport {
         let mesh = Shape::BumpySheet.mesh(300);
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk");
         let tested = UzawaStep::new(&topology, problem.rows(), settings).expect("fits");
         let mut step = Bent { bend, tested, report: None };
         let newton = NewtonSettings { inner_tolerance: InnerTolerance::Fixed(1e-12), ..NewtonSettings::default() };
@@ -260,7 +260,7 @@ mod tests {
     fn frozen_factors_serve_the_whole_solve_of_an_easy_mesh() {
         let mesh = Shape::BumpySheet.mesh(300);
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-        let problem = AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk");
+        let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk");
         let mut step = UzawaStep::new(&topology, problem.rows(), IterativeSettings::default()).expect("fits");
         let newton = NewtonSettings::default();
         let solution = newton.solve(&problem, &StopCriteria::default(), &mut Silent, &mut step).expect("angles");

@@ -82,7 +82,7 @@ pub fn uzawa(
     params: &KrylovParams,
     go_on: &mut dyn FnMut(usize, f64) -> bool,
 ) -> (Unknowns, KrylovStats) {
-    let mut run = Run::new(system, c, rhs);
+    let mut run = UzawaRun::new(system, c, rhs);
     let scale = run.start();
     let mut stats = KrylovStats { iterations: 0, relative_residual: 0.0, estimate: 0.0, end: KrylovEnd::Converged };
     if scale == 0.0 {
@@ -116,7 +116,7 @@ pub fn uzawa(
 }
 
 /// The vectors of the listing.
-struct Run<'a> {
+struct UzawaRun<'a> {
     system: &'a dyn SaddlePoint,
     c: &'a dyn Preconditioner,
     rhs: RightHandSide<'a>,
@@ -135,7 +135,7 @@ struct Run<'a> {
     qz: f64,
 }
 
-impl<'a> Run<'a> {
+impl<'a> UzawaRun<'a> {
     fn new(system: &'a dyn SaddlePoint, c: &'a dyn Preconditioner, rhs: RightHandSide<'a>) -> Self {
         let (n, m) = system.sizes();
         assert!(rhs.f.len() == n && rhs.g.len() == m, "a right-hand side of this system");

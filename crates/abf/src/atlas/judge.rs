@@ -2,7 +2,7 @@
 
 use crate::unwrap::UnwrappedChart;
 use abf_cut::{DoubleSided, RepairError, Repaired, Weld, repair_with, weld_within};
-use abf_mesh::{FaceId, Point2, TriMesh, UvId, UvMap, VertexId};
+use abf_mesh::{FaceId, Point2, TriMesh, UvMap, VertexId};
 use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify_stored, measure_certified};
 use std::borrow::Cow;
 
@@ -19,7 +19,7 @@ impl<'a> Judge<'a> {
     }
 
     /// What is proved of the faces of each page, together.
-    pub(crate) fn certificate(&mut self, pages: &[Vec<FaceId>]) -> Result<Certificate, MetricsError> {
+    pub(crate) fn certificate(&self, pages: &[Vec<FaceId>]) -> Result<Certificate, MetricsError> {
         let mut whole: Option<Certificate> = None;
         for faces in pages.iter().map(|faces| sorted(faces)) {
             let (part, map, vertices) = self.parts.of(&faces);
@@ -33,17 +33,13 @@ impl<'a> Judge<'a> {
     }
 
     /// What is proved of some faces alone.
-    pub(super) fn certificate_of(&mut self, faces: &[FaceId]) -> Result<Certificate, MetricsError> {
+    pub(super) fn certificate_of(&self, faces: &[FaceId]) -> Result<Certificate, MetricsError> {
         let (part, map, _) = self.parts.of(faces);
         certify_stored(&part, &map, self.precision)
     }
 
     /// The charts that were valid or injective, and are so no longer as they are stored. `whole` is what is proved of all.
-    pub(crate) fn spoilt(
-        &mut self,
-        charts: &[UnwrappedChart],
-        whole: &Certificate,
-    ) -> Result<Vec<usize>, MetricsError> {
+    pub(crate) fn spoilt(&self, charts: &[UnwrappedChart], whole: &Certificate) -> Result<Vec<usize>, MetricsError> {
         let mut spoilt = Vec::new();
         for (i, chart) in charts.iter().enumerate().filter(|_| !whole.injective()) {
             let before = &chart.metrics;
@@ -57,7 +53,7 @@ impl<'a> Judge<'a> {
 
     /// The distortion of some faces in the proportions of a page of `sides` texels, with what is proved of them.
     pub(crate) fn metrics(
-        &mut self,
+        &self,
         faces: &[FaceId],
         certificate: Certificate,
         sides: [u32; 2],
@@ -98,9 +94,6 @@ pub(crate) struct Parts<'a> {
     mesh: &'a TriMesh,
     uv: &'a UvMap,
     is_turned: Vec<bool>,
-    /// The number of a vertex in the part at hand; of those that are in none, nothing.
-    vertices: Vec<Option<u32>>,
-    points: Vec<Option<u32>>,
 }
 
 impl<'a> Parts<'a> {
@@ -108,38 +101,17 @@ impl<'a> Parts<'a> {
     pub(crate) fn new(mesh: &'a TriMesh, turned: &[FaceId], uv: &'a UvMap) -> Self {
         let mut is_turned = vec![false; mesh.face_count()];
         turned.iter().for_each(|f| is_turned[f.index()] = true);
-        Self { mesh, uv, is_turned, vertices: vec![None; mesh.vertex_count()], points: vec![None; uv.points().len()] }
+        Self { mesh, uv, is_turned }
     }
 
     /// Some faces, those that repair turned around as it turned them, with the vertices of the mesh for theirs.
-    pub(crate) fn of(&mut self, faces: &[FaceId]) -> (TriMesh, UvMap, Vec<VertexId>) {
-        let (mut vertices, mut points) = (Vec::new(), Vec::new());
-        let (mut triangles, mut corners) = (Vec::with_capacity(faces.len()), Vec::with_capacity(3 * faces.len()));
-        for face in faces {
+    pub(crate) fn of(&self, faces: &[FaceId]) -> (TriMesh, UvMap, Vec<VertexId>) {
+        let in_order = |face: &FaceId| {
             let [a, b, c] = face.corners();
-            let in_order = if self.is_turned[face.index()] { [a, c, b] } else { [a, b, c] };
-            triangles.push(in_order.map(|corner| {
-                let vertex = self.mesh.faces()[face.index()][corner.place()];
-                *self.vertices[vertex.index()].get_or_insert_with(|| {
-                    vertices.push(vertex);
-                    vertices.len() as u32 - 1
-                }) as usize
-            }));
-            corners.extend(in_order.map(|corner| {
-                let point = self.uv.corners()[corner.index()];
-                let number = *self.points[point.index()].get_or_insert_with(|| {
-                    points.push(point);
-                    points.len() as u32 - 1
-                });
-                UvId::new(number as usize)
-            }));
-        }
-        vertices.iter().for_each(|v| self.vertices[v.index()] = None);
-        points.iter().for_each(|p| self.points[p.index()] = None);
-        let positions = vertices.iter().map(|v| self.mesh.positions()[v.index()]).collect();
-        let part = TriMesh::new(positions, &triangles).expect("faces of a mesh");
-        let places = points.iter().map(|p| self.uv.points()[p.index()]).collect();
-        (part, UvMap::new(places, corners), vertices)
+            if self.is_turned[face.index()] { [a, c, b] } else { [a, b, c] }
+        };
+        let part = self.mesh.submesh(faces.iter().map(in_order));
+        (part.mesh, self.uv.submap(faces.iter().map(in_order)), part.vertices)
     }
 }
 

@@ -3,6 +3,7 @@
 pub(crate) mod judge;
 mod outline;
 mod repack;
+mod stored;
 
 use crate::unwrap::{Unwrapped, UnwrappedChart};
 use abf_control::{SettingError, UnknownName};
@@ -61,6 +62,7 @@ impl Default for Atlas {
 )]
 #[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum AtlasPages {
     /// All of them.
     #[default]
@@ -106,6 +108,7 @@ pub enum AtlasError {
 
 /// Charts in the unit squares of their pages.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Packed {
     /// One UV for every corner of the input, each chart within `[0, 1]²` of its page, as it will be stored.
     pub uv: UvMap,
@@ -128,6 +131,7 @@ pub struct Packed {
 
 /// A place where a chart comes nearer to itself than the margin, across what is outside of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct NarrowPlace {
     /// The chart, in the order of [`Unwrapped::charts`].
     pub chart: usize,
@@ -139,6 +143,7 @@ pub struct NarrowPlace {
 
 /// Where a chart is.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Placement {
     /// Its page, counted from 0.
     pub page: usize,
@@ -172,9 +177,7 @@ impl From<abf_pack::Placement> for Placement {
 }
 
 pub use repack::{Repack, Repacked};
-
-/// How a format stores a point.
-pub type Stored = fn(Point2<f64>) -> Point2<f64>;
+pub use stored::Stored;
 
 impl Atlas {
     /// The most texels along a side of a page.
@@ -206,7 +209,7 @@ impl Atlas {
         mesh: &TriMesh,
         unwrapped: &Unwrapped,
         materials: Option<&[u32]>,
-        (stored, precision): (Stored, Precision),
+        stored: Stored,
     ) -> Result<Packed, AtlasError> {
         self.check()?;
         let components = || unwrapped.charts.iter().map(|chart| chart.component).collect();
@@ -218,13 +221,13 @@ impl Atlas {
             keeps_its_angle: false,
         };
         let mut pieces: Vec<Piece> = unwrapped.charts.par_iter().zip(&page_of).map(piece).collect();
-        let settings = self.packer(precision);
+        let settings = self.packer(stored.precision());
         loop {
             let Packing { texels_per_unit, placements, pages, .. } =
                 abf_pack::pack(&pieces, &settings).map_err(|error| self.refused(error))?;
             let placements: Vec<Placement> = placements.into_iter().map(Placement::from).collect();
-            let uv = unwrapped.assemble(|i, p| stored(placements[i].place(p, texels_per_unit, self.page)));
-            let mut judge = Judge::new(mesh, &unwrapped.turned, &uv, precision);
+            let uv = unwrapped.assemble(|i, p| stored.point(placements[i].place(p, texels_per_unit, self.page)));
+            let judge = Judge::new(mesh, &unwrapped.turned, &uv, stored.precision());
             let mut faces_of = vec![Vec::new(); pages];
             for (chart, placement) in unwrapped.charts.iter().zip(&placements) {
                 faces_of[placement.page].extend_from_slice(&chart.faces);
@@ -244,10 +247,7 @@ impl Atlas {
 
     fn packer(&self, precision: Precision) -> PackSettings {
         // Half of the last digit of a number up to 1, twice for a format that counts v from the top; times the diagonal.
-        let rounding = match precision {
-            Precision::Single => f64::from(f32::EPSILON),
-            Precision::Double => f64::EPSILON,
-        };
+        let rounding = precision.epsilon();
         PackSettings {
             page: self.page,
             margin: f64::from(self.margin),

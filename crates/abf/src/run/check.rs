@@ -13,7 +13,7 @@ impl Pipeline {
     /// [`FlattenError`] that names the setting and what it may be, or settings that do not go together.
     pub fn check(&self) -> Result<(), FlattenError> {
         self.check_layout()?;
-        self.estimate.check()?;
+        self.initial_guess.check()?;
         match self.solver.method() {
             Method::Ladder(Ladder { linabf, newton, barrier, descent }) => {
                 self.check_angles(&(*linabf).into(), linabf)?;
@@ -52,7 +52,7 @@ impl Pipeline {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abf_constraints::EstimateSettings;
+    use abf_constraints::GuessSettings;
     use abf_control::{Event, Observer, StopCriteria, Verdict};
     use abf_reconstruct::LayoutSettings;
     use abf_shapes::Shape;
@@ -112,9 +112,9 @@ mod tests {
     #[test]
     fn settings_of_all_solvers_are_refused_as_a_run_refuses_them() {
         for solver in Solver::all() {
-            let estimate = EstimateSettings { angle_bound: 2.0, ..EstimateSettings::default() };
+            let initial_guess = GuessSettings { angle_bound: 2.0, ..GuessSettings::default() };
             let pipeline = Pipeline { solver, ..Pipeline::default() };
-            assert!(refused(&Pipeline { estimate, ..pipeline.clone() }).contains("angle_bound"));
+            assert!(refused(&Pipeline { initial_guess, ..pipeline.clone() }).contains("angle_bound"));
             let stop = StopCriteria { max_iterations: 0, ..StopCriteria::default() };
             let pipeline = Pipeline { stop, ..pipeline };
             match pipeline.solver.method() {

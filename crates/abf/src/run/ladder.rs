@@ -17,7 +17,7 @@ use abf_solve_core::AngleSolution;
 use std::cmp::Ordering;
 
 /// One solver of the ladder.
-struct Rung<'l> {
+struct LadderRung<'l> {
     solver: Solver,
     method: Single<'l>,
     /// At most so many iterations, whatever was asked for.
@@ -28,14 +28,18 @@ struct Rung<'l> {
 const MOST_FIXED_TARGET_STEPS: usize = 25;
 
 /// The ladder, from the bottom. LinABF stops by itself when its passes no longer help.
-fn rungs(ladder: &Ladder) -> [Rung<'_>; 4] {
+fn rungs(ladder: &Ladder) -> [LadderRung<'_>; 4] {
     let Ladder { linabf, newton, barrier, descent } = ladder;
     let any = usize::MAX;
     [
-        Rung { solver: (*linabf).into(), method: Single::Angles(linabf), most_iterations: any },
-        Rung { solver: (*newton).into(), method: Single::Angles(newton), most_iterations: MOST_FIXED_TARGET_STEPS },
-        Rung { solver: (*barrier).into(), method: Single::Angles(barrier), most_iterations: any },
-        Rung { solver: (*descent).into(), method: Single::Positions(descent), most_iterations: any },
+        LadderRung { solver: (*linabf).into(), method: Single::Angles(linabf), most_iterations: any },
+        LadderRung {
+            solver: (*newton).into(),
+            method: Single::Angles(newton),
+            most_iterations: MOST_FIXED_TARGET_STEPS,
+        },
+        LadderRung { solver: (*barrier).into(), method: Single::Angles(barrier), most_iterations: any },
+        LadderRung { solver: (*descent).into(), method: Single::Positions(descent), most_iterations: any },
     ]
 }
 
@@ -48,7 +52,7 @@ pub(super) fn climb(
     let budget = TimeBudget::start(&given.pipeline.stop);
     let observer = &mut Hearing { observer, is_aborted: false };
     let mut climb = Climb { mesh: given.original, best: None, rungs: Vec::new(), first_error: None };
-    for Rung { solver, method, most_iterations } in rungs(ladder) {
+    for LadderRung { solver, method, most_iterations } in rungs(ladder) {
         let kind = solver.kind();
         let interruption = climb.interruption(&budget, kind, observer);
         observer.aborted()?;

@@ -7,7 +7,7 @@ mod thin;
 
 use crate::settings::{Method, Pipeline, Solver, SolverKind, ZeroArea, predict_memory};
 use crate::{FlattenError, Flattening};
-use abf_constraints::{AngleProblem, EstimateSettings};
+use abf_constraints::{AngleProblem, GuessSettings};
 use abf_control::{Event, Observer, Silent, Stage, TimeBudget, ask};
 use abf_mesh::{GeometryError, Topology, TriMesh};
 use abf_solve_linabf::LinAbf;
@@ -61,9 +61,9 @@ impl Pipeline {
         ask(observer, Event::Working)?;
         let topology = topology?;
         let angles = angles?;
-        let pose = |estimate: EstimateSettings, angles: Vec<f64>| match shape {
-            Shape::Disk => AngleProblem::new(&topology, angles, estimate),
-            Shape::Any => AngleProblem::unclosed(&topology, angles, estimate),
+        let pose = |initial_guess: GuessSettings, angles: Vec<f64>| match shape {
+            Shape::Disk => AngleProblem::new(&topology, angles, initial_guess),
+            Shape::Any => AngleProblem::unclosed(&topology, angles, initial_guess),
         };
         let solve = |problem: &AngleProblem<'_>, pipeline: &Self, observer: &mut dyn Observer| {
             let given = Given { pipeline, original: mesh, mesh: working, scale, problem };
@@ -75,13 +75,13 @@ impl Pipeline {
                 Method::SurfaceAngles => Task::new(given, solver, Single::SurfaceAngles).run(observer),
             }
         };
-        let problem = pose(self.estimate, angles.clone())?;
+        let problem = pose(self.initial_guess, angles.clone())?;
         ask(observer, Event::Working)?;
         let flat = solve(&problem, self, observer);
-        if problem.thin_corners() == 0 || !self.uses_the_estimate() || budget.is_spent() {
+        if problem.thin_corners() == 0 || !self.uses_the_initial_guess() || budget.is_spent() {
             return flat;
         }
-        let bounded = pose(EstimateSettings { keep_thin: false, ..self.estimate }, angles)?;
+        let bounded = pose(GuessSettings { keep_thin: false, ..self.initial_guess }, angles)?;
         thin::better(mesh, flat, |own| {
             // A rung that goes on to the optimum comes to the same one from either start.
             let is_optimal = own.is_some_and(|kind| matches!(kind, SolverKind::Barrier | SolverKind::Descent));
@@ -94,7 +94,7 @@ impl Pipeline {
     }
 
     /// Whether the result depends on where the angles start.
-    fn uses_the_estimate(&self) -> bool {
+    fn uses_the_initial_guess(&self) -> bool {
         match self.solver.method() {
             Method::Ladder(_) | Method::Angles(_) => true,
             Method::Positions(_) | Method::SurfaceAngles => false,

@@ -86,7 +86,7 @@ impl<'t> Task<'t> {
         // A stopped solve still has angles worth laying out.
         ask(observer, Event::StageStarted(Stage::Layout))?;
         let angles = solution.as_ref().map_or(self.given.problem.mesh_angles(), AngleSolution::angles);
-        let Layout { uv, kind, linear, closing_error, moved_angles } = {
+        let Layout { uv, kind, linear, closing_error, clamped_angles, .. } = {
             let checkpoint = &mut || ask(observer, Event::Working);
             layout_asking(self.given.mesh, self.given.problem.topology(), angles, &settings, checkpoint)?
         };
@@ -97,7 +97,7 @@ impl<'t> Task<'t> {
             kind: Some(kind),
             linear_residual: linear.map(|stats| stats.relative_residual),
             closing_error,
-            moved_angles,
+            clamped_angles,
             pinned: !self.given.pipeline.normalize,
             scaled: true,
         };
@@ -122,7 +122,7 @@ impl<'t> Task<'t> {
         let solution =
             AngleSolution::measure(self.given.problem, descended.angles, descended.termination, descended.iterations);
         let report =
-            LayoutReport { kind: None, linear_residual: None, closing_error: None, moved_angles: 0, pinned, scaled };
+            LayoutReport { kind: None, linear_residual: None, closing_error: None, clamped_angles: 0, pinned, scaled };
         Ok(self.flattening(certified, Some(solution), report, &descended.held))
     }
 
@@ -177,10 +177,9 @@ impl<'t> Task<'t> {
         layout: LayoutReport,
         held: &[FaceId],
     ) -> Flattening {
-        let Certified { uv, certificate } = certified;
-        let constraint_residual = solution.as_ref().map(AngleSolution::constraint_residual);
-        let certificate = Certificate { constraint_residual, ..certificate };
-        let starts_from_an_estimate = match self.method {
+        let Certified { uv, mut certificate } = certified;
+        certificate.constraint_residual = solution.as_ref().map(AngleSolution::constraint_residual);
+        let starts_from_a_guess = match self.method {
             Single::Angles(_) => true,
             Single::Positions(_) | Single::SurfaceAngles => false,
         };
@@ -194,7 +193,7 @@ impl<'t> Task<'t> {
             interior_vertices: self.given.problem.rows().interior_count(),
             kkt: [WheelForm::Log, WheelForm::Product].map(|form| KktCounts::of(form, self.given.problem.rows())),
             shapeless_faces: self.given.problem.shapeless_faces(),
-            switched_rings: if starts_from_an_estimate { self.given.problem.switched_rings() } else { 0 },
+            switched_rings: if starts_from_a_guess { self.given.problem.switched_rings() } else { 0 },
             solution,
             rungs: Vec::new(),
         }

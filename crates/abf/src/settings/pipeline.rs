@@ -1,7 +1,7 @@
 //! Every setting of a flattening.
 
 use crate::settings::{Solver, ZeroArea};
-use abf_constraints::EstimateSettings;
+use abf_constraints::GuessSettings;
 use abf_control::StopCriteria;
 use abf_metrics::Precision;
 use abf_reconstruct::LayoutSettings;
@@ -16,8 +16,8 @@ pub struct Pipeline {
     pub solver: Solver,
     /// What becomes of faces without area.
     pub zero_area: ZeroArea,
-    /// How the estimate is made from the angles of the surface.
-    pub estimate: EstimateSettings,
+    /// How the initial guess is made from the angles of the surface.
+    pub initial_guess: GuessSettings,
     /// When the solver stops. A time limit is one for all solvers of [`Solver::Auto`] together; the number of
     /// iterations is one for each.
     pub stop: StopCriteria,

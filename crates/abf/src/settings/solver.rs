@@ -34,6 +34,7 @@ pub use abf_solve_uzawa::Uzawa;
 /// ```
 #[derive(Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum Solver {
     /// One solver after the other, up to the first result that is certified.
     Auto(Ladder),

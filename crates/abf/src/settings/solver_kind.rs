@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 /// Which solver, without its settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum SolverKind {
     /// A ladder of the others, up to the first result that is certified: see [`RungReport`](crate::RungReport).
     #[default]

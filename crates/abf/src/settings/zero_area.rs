@@ -18,6 +18,7 @@ use abf_control::UnknownName;
 )]
 #[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum ZeroArea {
     /// They get a valid place like all others; their angles, which they do not have, are those of a thin triangle
     /// ([`AngleProblem::new`](abf_constraints::AngleProblem::new)). Metrics leave them out and count them.

@@ -1,7 +1,6 @@
 //! From charts back to the corners of the input.
 
 use super::finish::Finished;
-use super::surface::diagonal;
 use super::{Unwrapped, UnwrappedChart};
 use abf_control::{Cancelled, Checkpoint, at_block};
 use abf_cut::{Chart, Repaired, uv_borders};
@@ -37,7 +36,7 @@ pub(super) fn unwrapped(
         repairs: repaired.report,
         seams: Vec::new(),
         seam_length: 0.0,
-        diagonal: diagonal(input),
+        diagonal: input.diagonal(),
         without_area: without_area.len(),
         // These first: others may go where they are.
         followers: in_one_point.chain(followers(joined, repaired)).collect(),

@@ -3,7 +3,7 @@
 use crate::{FlattenError, Flattening, LayoutReport, RungReport, SolveReport, SolverKind};
 use abf_control::{Checkpoint, Termination};
 use abf_cut::Chart;
-use abf_mesh::{FaceId, TriMesh, UvId, UvMap, VertexId};
+use abf_mesh::{FaceId, Submesh, TriMesh, UvMap};
 use abf_metrics::{Certificate, Metrics, Precision, certify_asking, measure_certified, per_face};
 use abf_solve_core::AngleSolution;
 
@@ -48,7 +48,7 @@ impl Finished {
             kind: None,
             linear_residual: None,
             closing_error: None,
-            moved_angles: 0,
+            clamped_angles: 0,
             pinned: false,
             scaled: true,
         };
@@ -125,30 +125,18 @@ pub(super) fn excerpt(
     is_scaled: bool,
     checkpoint: &mut Checkpoint<'_>,
 ) -> Result<(UvMap, Metrics), FlattenError> {
-    let of_face = |f: &FaceId| mesh.faces()[f.index()].map(VertexId::index);
-    let part = TriMesh::new(mesh.positions().to_vec(), &faces.iter().map(of_face).collect::<Vec<_>>())?;
-    let uv = of_faces(uv, faces);
+    let corners = || faces.iter().map(|f| f.corners());
+    let Submesh { mesh: part, vertices, .. } = mesh.submesh(corners());
+    let uv = uv.submap(corners());
     let factor = (part.area() / uv.signed_area()).sqrt();
     let factor = if is_scaled && factor.is_finite() && factor > 0.0 { factor } else { 1.0 };
     let precision = certificate.precision;
     let uv = uv.mapped(|p| p.map(|x| precision.round(x * factor)));
     let constraint_residual = certificate.constraint_residual;
-    let certificate = Certificate { constraint_residual, ..certify_asking(&part, &uv, precision, checkpoint)? };
+    let mut certificate = certify_asking(&part, &uv, precision, checkpoint)?;
+    certificate.constraint_residual = constraint_residual;
     checkpoint()?;
-    let metrics = measure_certified(&part, &uv, certificate)?;
+    let mut metrics = measure_certified(&part, &uv, certificate)?;
+    metrics.certificate.wound_vertices.iter_mut().for_each(|v| *v = vertices[v.index()]);
     Ok((uv, metrics))
-}
-
-/// The map of some of the faces, with the points they use in their order.
-fn of_faces(uv: &UvMap, faces: &[FaceId]) -> UvMap {
-    let corners: Vec<UvId> = faces.iter().flat_map(|f| f.corners()).map(|c| uv.corners()[c.index()]).collect();
-    let mut is_used = vec![false; uv.points().len()];
-    corners.iter().for_each(|c| is_used[c.index()] = true);
-    let mut number = vec![UvId::new(0); is_used.len()];
-    let mut points = Vec::new();
-    for (i, point) in uv.points().iter().enumerate().filter(|&(i, _)| is_used[i]) {
-        number[i] = UvId::new(points.len());
-        points.push(*point);
-    }
-    UvMap::new(points, corners.iter().map(|c| number[c.index()]).collect())
 }

@@ -129,10 +129,11 @@ pub struct Unwrapped {
 
 /// One chart.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct UnwrappedChart {
     /// The component of the repaired mesh it is of.
     pub component: usize,
-    /// The number that its events had as [`Place::chart`](crate::Place::chart): charts that were taken apart after they were
+    /// The number that its events had as [`UnwrapProgress::chart`](crate::UnwrapProgress::chart): charts that were taken apart after they were
     /// flattened have the same.
     pub piece: usize,
     /// Its faces, by their numbers in the input, ascending.

@@ -4,7 +4,7 @@ use super::finish::{Finished, excerpt};
 use crate::FlattenError;
 use abf_control::Checkpoint;
 use abf_cut::Chart;
-use abf_mesh::{FaceId, TriMesh, UvId, UvMap, Vector2, VertexId};
+use abf_mesh::{FaceId, TriMesh, UvId, UvMap, Vector2};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -22,9 +22,9 @@ pub(super) fn take_apart(
     let mut done: Vec<(Vec<FaceId>, Finished)> = Vec::new();
     while let Some((in_mesh, chart)) = waiting.pop() {
         // Of a single face there is no pair.
-        let pair = chart.metrics.overlapping_faces.first().copied().filter(|[one, other]| one != other);
+        let pair = chart.metrics.certificate.overlapping_faces.first().copied().filter(|[one, other]| one != other);
         let [one, other] = match pair {
-            Some(pair) if chart.metrics.overlaps() > 0 => pair,
+            Some(pair) if chart.metrics.certificate.overlaps() > 0 => pair,
             _ => {
                 done.push((in_mesh, chart));
                 continue;
@@ -53,11 +53,11 @@ pub(super) fn part_of(
     checkpoint: &mut Checkpoint<'_>,
 ) -> Result<Finished, FlattenError> {
     // The mesh of the chart: its faces in its own order.
-    let faces: Vec<[usize; 3]> = in_mesh.iter().map(|f| mesh.faces()[f.index()].map(VertexId::index)).collect();
-    let of_chart = TriMesh::new(mesh.positions().to_vec(), &faces)?;
+    let of_chart = mesh.submesh(in_mesh.iter().map(|f| f.corners()));
     let kept: Vec<FaceId> = places.iter().map(|&f| FaceId::new(f)).collect();
-    let (uv, metrics) =
-        excerpt(&of_chart, &chart.uv, &chart.metrics.certificate, &kept, chart.layout.scaled, checkpoint)?;
+    let (uv, mut metrics) =
+        excerpt(&of_chart.mesh, &chart.uv, &chart.metrics.certificate, &kept, chart.layout.scaled, checkpoint)?;
+    metrics.certificate.wound_vertices.iter_mut().for_each(|v| *v = of_chart.vertices[v.index()]);
     let faces = places.iter().map(|&f| chart.faces[f]).collect();
     Ok(Finished { faces, uv, metrics, rungs: chart.rungs.clone(), ..chart.clone() })
 }

@@ -273,7 +273,7 @@ impl Component<'_, '_> {
             return Err(FlattenError::Cancelled(Cancelled));
         }
         let settings = &self.settings.pipeline;
-        let problem = AngleProblem::new(&chart.topology, chart.mesh.corner_angles(), settings.estimate)?;
+        let problem = AngleProblem::new(&chart.topology, chart.mesh.corner_angles(), settings.initial_guess)?;
         let solver = LinAbf { passes: Passes::Exactly(PASSES) };
         ask(observer, Event::StageStarted(Stage::Solve))?;
         let named = |source| FlattenError::of_solver(SolverKind::LinAbf, source);

@@ -1,6 +1,6 @@
 //! One observer for components that are worked on side by side.
 
-use abf_control::{Event, Observer, Place, Verdict};
+use abf_control::{Event, Observer, UnwrapProgress, Verdict};
 use std::sync::Mutex;
 
 /// Passes on what several threads report.
@@ -29,7 +29,7 @@ impl<'o> Relay<'o> {
 
     /// An observer for one chart of a component.
     pub(super) fn ear(&self, component: usize, chart: usize) -> Ear<'_, 'o> {
-        let mut place = Place::default();
+        let mut place = UnwrapProgress::default();
         (place.component, place.components) = (component, self.components);
         (place.chart, place.faces) = (chart, self.faces);
         Ear { relay: self, place }
@@ -67,7 +67,7 @@ impl<'o> Relay<'o> {
 /// What one component reports to.
 pub(super) struct Ear<'r, 'o> {
     relay: &'r Relay<'o>,
-    place: Place,
+    place: UnwrapProgress,
 }
 
 impl Ear<'_, '_> {

@@ -29,11 +29,11 @@ impl Surface {
         if let Some(outer) = outer_loop(&piece.mesh, &holes) {
             holes.remove(outer);
         }
-        let Filled { mesh, topology, first_virtual: real } =
+        let Filled { mesh, topology, first_virtual: real, .. } =
             fill(&piece.mesh, &piece.topology, &holes, filling.unwrap_or_default())?;
         let costs = costs(&mesh, &topology, real);
         let seams = open(&topology, &costs);
-        let diagonal = diagonal(&mesh);
+        let diagonal = mesh.diagonal();
         Ok(Self { mesh, topology, real, costs, diagonal, seams, holes })
     }
 
@@ -57,7 +57,7 @@ impl Surface {
         if reached.is_empty() {
             return Ok(());
         }
-        let Filled { mesh, topology, first_virtual: real } = fill(&piece.mesh, &piece.topology, &holes, filling)?;
+        let Filled { mesh, topology, first_virtual: real, .. } = fill(&piece.mesh, &piece.topology, &holes, filling)?;
         let mut seams = Seams::none(&topology);
         for c in self.seams.edges(&self.topology) {
             let sides = [Some(c), self.topology.opposite(c)];
@@ -93,12 +93,4 @@ impl Surface {
         let is_real = |c: CornerId| c.face().index() < self.real;
         is_real(c) && self.topology.opposite(c).is_some_and(is_real)
     }
-}
-
-/// The diagonal of the bounding box.
-pub(super) fn diagonal(mesh: &TriMesh) -> f64 {
-    let mut points = mesh.faces().iter().flatten().map(|v| mesh.positions()[v.index()]);
-    let Some(first) = points.next() else { return 0.0 };
-    let (low, high) = points.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
-    (high - low).norm()
 }

@@ -9,7 +9,7 @@ use abf::constraints::ProblemError;
 use abf::embed::EmbedError;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
-use abf::{EstimateSettings, FlattenError, LayoutSettings, Pipeline, Solver, SolverKind, SolverParts, StopCriteria};
+use abf::{FlattenError, GuessSettings, LayoutSettings, Pipeline, Solver, SolverKind, SolverParts, StopCriteria};
 use clap::error::ErrorKind;
 use std::time::Duration;
 
@@ -141,13 +141,13 @@ fn solver(kind: SolverKind, args: &MethodArgs) -> Solver {
 
 /// The settings for all solvers.
 fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
-    let (estimate, stop) = (EstimateSettings::default(), StopCriteria::default());
+    let (initial_guess, stop) = (GuessSettings::default(), StopCriteria::default());
     Ok(Pipeline {
         zero_area: args.zero_area,
-        estimate: EstimateSettings {
-            ring_switch: args.ring_switch.map_or(estimate.ring_switch, |given| given.0),
-            angle_bound: args.angle_bound.unwrap_or(estimate.angle_bound),
-            ..estimate
+        initial_guess: GuessSettings {
+            ring_switch: args.ring_switch.map_or(initial_guess.ring_switch, |given| given.0),
+            angle_bound: args.angle_bound.unwrap_or(initial_guess.angle_bound),
+            ..initial_guess
         },
         stop: StopCriteria {
             tolerance: args.tolerance.unwrap_or(stop.tolerance),

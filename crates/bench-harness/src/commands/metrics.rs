@@ -84,7 +84,7 @@ fn read(path: &Path) -> Result<(MeshFile, Option<Vec<u32>>), Failure> {
     let surface = GltfDocument::read(path).and_then(|document| document.surface()).map_err(failed)?;
     let objects = surface.mesh_of_faces();
     let mesh = surface.sized().unwrap_or(surface.mesh);
-    Ok((MeshFile { mesh, uv: surface.uv, colours: None, notes: surface.notes }, Some(objects)))
+    Ok((MeshFile::new(mesh, surface.uv, surface.notes), Some(objects)))
 }
 
 /// The UVs as the file stores them, and in what.

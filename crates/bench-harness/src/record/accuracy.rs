@@ -1,7 +1,7 @@
 //! How exactly inner methods solve.
 
 use super::misread::Misread;
-use abf::solve_core::InnerTolerance;
+use abf::InnerTolerance;
 use std::fmt;
 use std::str::FromStr;
 

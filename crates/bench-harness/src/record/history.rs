@@ -48,8 +48,8 @@ pub(crate) struct Iteration {
     negative_curvature: usize,
     /// Why the exact Hessian was given up, if it was.
     fallback: Option<String>,
-    /// Angles moved to the angle bounds before it.
-    moved_angles: usize,
+    /// Angles clamped to the angle bounds before it.
+    clamped_angles: usize,
     /// The estimate after each inner iteration; empty for a direct solve.
     inner: Vec<f64>,
 }
@@ -88,7 +88,7 @@ impl Iteration {
             inner_converged: record.inner_converged,
             negative_curvature: record.negative_curvature,
             fallback: record.fallback.map(|why| fallback_word(why).to_owned()),
-            moved_angles: record.moved_angles,
+            clamped_angles: record.clamped_angles,
             inner,
         }
     }

@@ -3,7 +3,7 @@
 use abf::constraints::ProblemError;
 use abf::cut::RepairError;
 use abf::{FlattenError, MetricsError, UnwrapError};
-use abf_mesh::io::{Location as InFile, Place, ReadError};
+use abf_mesh::io::{FilePlace, Location as InFile, ReadError};
 use abf_mesh::{DiskError, FaceId, GeometryError, TopologyError, VertexId};
 use serde::{Deserialize, Serialize};
 
@@ -117,8 +117,8 @@ pub(super) fn metrics(error: &MetricsError) -> Location {
 
 fn in_file(at: &InFile) -> Location {
     match at.place {
-        Place::Line(line) => Location { line: Some(line), ..Location::default() },
-        Place::Byte(byte) => Location { byte: Some(byte), ..Location::default() },
+        FilePlace::Line(line) => Location { line: Some(line), ..Location::default() },
+        FilePlace::Byte(byte) => Location { byte: Some(byte), ..Location::default() },
     }
 }
 

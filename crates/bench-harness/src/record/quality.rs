@@ -101,23 +101,24 @@ impl Quality {
 
     /// The judgement of the UVs.
     pub(crate) fn new(m: &Metrics) -> Self {
+        let proved = &m.certificate;
         let faces = |faces: &[FaceId]| faces.iter().map(|face| face.index()).collect();
         Self {
             valid: m.valid(),
             injective: m.injective(),
-            flips: m.flips,
-            collapsed: m.collapsed,
-            near_collapsed: m.near_collapsed,
-            wound: m.wound,
-            overlaps: m.overlaps(),
-            crossings: m.crossings,
-            meetings: m.meetings,
-            nested: m.nested,
-            touches: m.touches,
+            flips: proved.flips,
+            collapsed: proved.collapsed,
+            near_collapsed: proved.near_collapsed,
+            wound: proved.wound,
+            overlaps: proved.overlaps(),
+            crossings: proved.crossings,
+            meetings: proved.meetings,
+            nested: proved.nested,
+            touches: proved.touches,
             degenerate_3d: m.degenerate_3d,
             turned: 0,
             shared: 0,
-            charts: m.charts,
+            charts: proved.charts,
             f: known(m.f),
             f_weighted: known(m.f_weighted),
             max_angle_error: known(m.max_angle_error),
@@ -128,14 +129,14 @@ impl Quality {
             area_l2: known(m.area_l2),
             uv_area: known(m.uv_area),
             surface_area: known(m.surface_area),
-            touch_depth: known(m.touch_depth),
-            uv_angle_min: known(m.uv_angle_min),
-            uv_angle_max: known(m.uv_angle_max),
-            flipped_faces: faces(&m.flipped_faces),
-            collapsed_faces: faces(&m.collapsed_faces),
-            wound_vertices: m.wound_vertices.iter().copied().map(VertexId::index).collect(),
-            overlapping_faces: m.overlapping_faces.iter().map(|pair| pair.map(FaceId::index)).collect(),
-            uv_precision: m.precision,
+            touch_depth: known(proved.touch_depth),
+            uv_angle_min: known(proved.uv_angle_min),
+            uv_angle_max: known(proved.uv_angle_max),
+            flipped_faces: faces(&proved.flipped_faces),
+            collapsed_faces: faces(&proved.collapsed_faces),
+            wound_vertices: proved.wound_vertices.iter().copied().map(VertexId::index).collect(),
+            overlapping_faces: proved.overlapping_faces.iter().map(|pair| pair.map(FaceId::index)).collect(),
+            uv_precision: proved.precision,
         }
     }
 }

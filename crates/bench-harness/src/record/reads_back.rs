@@ -12,7 +12,7 @@ use super::not_run::NotRun;
 use super::quality::Quality;
 use super::repacked::Repacked;
 use super::result::Record;
-use super::run::{Limits, Run, Rung, Solved};
+use super::run::{Limits, RunRecord, RungRecord, Solved};
 use super::settings::Asked;
 use super::size::{Kkt, Size};
 use super::surveyed::{About, Counts, FileState, LogHead, MadeWith, SurveyDocument, Surveyed};
@@ -115,7 +115,7 @@ impl Dice {
         let solver = if self.yes() { Solver::custom(Own) } else { self.one_of(&ours) };
         let mut pipeline = Pipeline { solver, normalize: self.yes(), ..Pipeline::default() };
         pipeline.layout.kind = self.one_of(&LayoutKind::ALL);
-        pipeline.estimate.ring_switch = self.maybe(Self::number);
+        pipeline.initial_guess.ring_switch = self.maybe(Self::number);
         pipeline.stop.tolerance = self.number();
         pipeline.stop.time_limit = self.maybe(|dice| Duration::from_nanos(dice.0.next_u64()));
         pipeline.max_memory = self.maybe(|dice| dice.0.next_u64());
@@ -124,8 +124,8 @@ impl Dice {
         asked
     }
 
-    fn rung(&mut self) -> Rung {
-        Rung {
+    fn rung(&mut self) -> RungRecord {
+        RungRecord {
             solver: self.solver(),
             termination: self.maybe(Self::termination),
             iterations: self.count(),
@@ -139,8 +139,8 @@ impl Dice {
         }
     }
 
-    fn run(&mut self) -> Run {
-        Run { settings: self.asked(), solved: self.solved() }
+    fn run(&mut self) -> RunRecord {
+        RunRecord { settings: self.asked(), solved: self.solved() }
     }
 
     fn solved(&mut self) -> Solved {
@@ -159,7 +159,7 @@ impl Dice {
             inner_unconverged: self.count(),
             negative_curvature: self.maybe(Self::count),
             fallbacks: self.maybe(Self::count),
-            moved_angles: self.count(),
+            clamped_angles: self.count(),
             switched_rings: self.count(),
             shapeless_faces: self.count(),
             layout: self.maybe(|dice| dice.one_of(&LayoutKind::ALL)),
@@ -427,7 +427,7 @@ fn the_record_of_a_flattening_reads_back_equal_and_a_figure_without_a_value_is_i
     let flat = flatten(&mesh).expect("a disk");
     let metrics = flat.metrics(&mesh).expect("metrics");
     let quality = Quality { stretch_linf: f64::INFINITY, ..Quality::new(&metrics) };
-    let run = Some(Run::new(&Pipeline::default(), &flat, &[0.5]));
+    let run = Some(RunRecord::new(&Pipeline::default(), &flat, &[0.5]));
     let record = Record { mesh: "a".to_owned(), run, quality: Some(quality), ..Record::default() };
     reads_back(&record);
     assert!(pretty(&record).contains("\"stretch_linf\": null"));
@@ -438,7 +438,7 @@ fn a_solver_of_someones_own_is_shown_by_name_and_its_record_reads_back_equal() {
     let pipeline = Pipeline { solver: Solver::custom(Own), ..Pipeline::default() };
     let mesh = abf_shapes::Shape::Hemisphere.mesh(100);
     let flat = pipeline.run(&mesh, &mut Silent).expect("a disk");
-    let run = Run::new(&pipeline, &flat, &[]);
+    let run = RunRecord::new(&pipeline, &flat, &[]);
     let record = Record {
         mesh: "a".to_owned(),
         solver: Some(pipeline.solver.name().to_owned()),
@@ -469,13 +469,13 @@ fn charts_say_what_a_disk_says_and_all_of_them_together() {
     let unwrapped = unwrap.run(&two, &SurfaceHints::default(), &mut Silent).expect("charts");
     let charts: Vec<Solved> = unwrapped.charts.iter().map(|chart| Solved::of_chart(&unwrap.pipeline, chart)).collect();
     assert!(charts.len() >= 2, "{}", charts.len());
-    let all = Run::of_charts(&unwrap.pipeline, charts.iter()).expect("charts");
+    let all = RunRecord::of_charts(&unwrap.pipeline, charts.iter()).expect("charts");
     assert!(all.iterations > 0 && all.iterations == charts.iter().map(|chart| chart.iterations).sum::<usize>());
     let residuals = charts.iter().filter_map(|chart| chart.constraint_residual);
     assert_eq!(all.constraint_residual, residuals.reduce(f64::max), "{all:?}");
     assert_eq!((all.termination, all.solved_by.as_str()), (Termination::Converged, "abf++"), "{all:?}");
     reads_back(&all);
-    let disk = Run::new(&unwrap.pipeline, &unwrap.pipeline.run(&mesh, &mut Silent).expect("a disk"), &[]);
+    let disk = RunRecord::new(&unwrap.pipeline, &unwrap.pipeline.run(&mesh, &mut Silent).expect("a disk"), &[]);
     let fields =
         |run: &dyn Fn() -> serde_json::Value| run().as_object().map(|all| all.keys().cloned().collect::<Vec<_>>());
     let of_disk = fields(&|| serde_json::to_value(&disk).expect("text keys"));

@@ -7,7 +7,7 @@ use super::not_run::NotRun;
 use super::outcome::{Outcome, result_word};
 use super::quality::Quality;
 use super::repacked::Repacked;
-use super::run::Run;
+use super::run::RunRecord;
 use super::size::{Kkt, Size};
 use super::times::{Repeats, Timings};
 use serde::{Deserialize, Serialize};
@@ -28,7 +28,7 @@ pub(crate) struct Record {
     pub(crate) solver: Option<String>,
     /// What the solver and the layout did; of charts, all together.
     #[serde(flatten)]
-    pub(crate) run: Option<Run>,
+    pub(crate) run: Option<RunRecord>,
     /// The charts, where the mesh was cut into some.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) atlas: Option<Atlas>,

@@ -13,7 +13,7 @@ use std::ops::Deref;
 
 /// What was asked of the solver and the layout, and what they did.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Run {
+pub(crate) struct RunRecord {
     /// What it was asked.
     pub(crate) settings: Asked,
     /// What it did; of a mesh in charts, all of them together.
@@ -30,7 +30,7 @@ pub(crate) struct Solved {
     pub(crate) solved_by: String,
     /// What `auto` tried, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(crate) rungs: Vec<Rung>,
+    pub(crate) rungs: Vec<RungRecord>,
     /// How it ended.
     #[serde(with = "text::ending")]
     pub(crate) termination: Termination,
@@ -57,8 +57,8 @@ pub(crate) struct Solved {
     pub(crate) negative_curvature: Option<usize>,
     /// Iterations that gave up the exact Hessian.
     pub(crate) fallbacks: Option<usize>,
-    /// Angles moved into their bounds: between passes by the solver, and before the layout.
-    pub(crate) moved_angles: usize,
+    /// Angles clamped to their bounds: between passes by the solver, and before the layout.
+    pub(crate) clamped_angles: usize,
     /// Rings that started from their target angles.
     pub(crate) switched_rings: usize,
     /// Triangles without a shape, solved for as thin ones.
@@ -79,7 +79,7 @@ pub(crate) struct Solved {
 
 /// What one solver of the ladder came to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Rung {
+pub(crate) struct RungRecord {
     /// Which solver.
     pub(crate) solver: String,
     /// How it ended; `None` when it found nothing.
@@ -105,7 +105,7 @@ pub(crate) struct Rung {
     pub(crate) error: Option<String>,
 }
 
-impl Deref for Run {
+impl Deref for RunRecord {
     type Target = Solved;
 
     fn deref(&self) -> &Solved {
@@ -113,7 +113,7 @@ impl Deref for Run {
     }
 }
 
-impl Rung {
+impl RungRecord {
     fn new(report: &RungReport, time_s: Option<f64>) -> Self {
         Self {
             solver: report.solver.to_string(),
@@ -146,11 +146,11 @@ pub(crate) struct Limits {
     pub(crate) spread: f64,
 }
 
-impl Run {
+impl RunRecord {
     /// The report of a flattening; the rungs took so long.
     pub(crate) fn new(pipeline: &Pipeline, flat: &Flattening, rung_seconds: &[f64]) -> Self {
         let seconds = rung_seconds.iter().copied().map(Some).chain(std::iter::repeat(None));
-        let rungs = flat.rungs.iter().zip(seconds).map(|(rung, time_s)| Rung::new(rung, time_s)).collect();
+        let rungs = flat.rungs.iter().zip(seconds).map(|(rung, time_s)| RungRecord::new(rung, time_s)).collect();
         let (report, layout) = (flat.solve_report(), &flat.layout);
         let solved = Solved::new(pipeline, (flat.solver, flat.termination), &report, layout, rungs);
         let precision_limits = flat.precision_limits.as_ref().map(Limits::new);
@@ -180,7 +180,7 @@ impl Limits {
 impl Solved {
     /// What became of a chart.
     pub(crate) fn of_chart(pipeline: &Pipeline, chart: &UnwrappedChart) -> Self {
-        let rungs = chart.rungs.iter().map(|rung| Rung::new(rung, None)).collect();
+        let rungs = chart.rungs.iter().map(|rung| RungRecord::new(rung, None)).collect();
         Self::new(pipeline, (chart.solver, chart.termination), &chart.solve, &chart.layout, rungs)
     }
 
@@ -189,7 +189,7 @@ impl Solved {
         (solver, termination): (SolverKind, Termination),
         report: &SolveReport,
         layout: &LayoutReport,
-        rungs: Vec<Rung>,
+        rungs: Vec<RungRecord>,
     ) -> Self {
         let newton = pipeline.solver.newton_settings();
         let is_diagonal = newton.is_none_or(|n| (n.wheel, n.hessian) != (WheelForm::Product, Hessian::Exact));
@@ -208,7 +208,7 @@ impl Solved {
             inner_unconverged: report.inner_unconverged,
             negative_curvature: report.negative_curvature.filter(|_| is_diagonal),
             fallbacks: report.fallbacks,
-            moved_angles: report.moved_angles,
+            clamped_angles: report.clamped_angles,
             switched_rings: report.switched_rings,
             shapeless_faces: report.shapeless_faces,
             layout: layout.kind,
@@ -241,7 +241,7 @@ impl Solved {
             inner_unconverged: self.inner_unconverged + other.inner_unconverged,
             negative_curvature: joined(self.negative_curvature, other.negative_curvature, usize::max),
             fallbacks: joined(self.fallbacks, other.fallbacks, |a, b| a + b),
-            moved_angles: self.moved_angles + other.moved_angles,
+            clamped_angles: self.clamped_angles + other.clamped_angles,
             switched_rings: self.switched_rings + other.switched_rings,
             shapeless_faces: self.shapeless_faces + other.shapeless_faces,
             layout: self.layout.filter(|&kind| other.layout == Some(kind)),

@@ -34,7 +34,7 @@ fn is_nothing(seconds: &f64) -> bool {
 /// Where the time from the mesh to its UVs went, in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Stages {
-    /// Corner table, disk check, angles of the surface, estimate.
+    /// Corner table, disk check, angles of the surface, initial guess.
     pub(crate) topology: f64,
     /// Solving for the angles.
     pub(crate) solve: f64,

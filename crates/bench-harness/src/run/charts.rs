@@ -97,12 +97,8 @@ pub(crate) fn charts(
 }
 
 /// What a file makes of UVs, and what is proved of them there.
-pub(crate) fn stored(to_gltf: bool, precision: Precision) -> (Stored, Precision) {
-    match (to_gltf, precision) {
-        (true, _) => (stored_uv, Precision::Single),
-        (false, Precision::Single) => (|p| p.map(|x| Precision::Single.round(x)), Precision::Single),
-        (false, Precision::Double) => (|p| p, Precision::Double),
-    }
+pub(crate) fn stored(to_gltf: bool, precision: Precision) -> Stored {
+    if to_gltf { Stored::converted(stored_uv, Precision::Single) } else { Stored::in_precision(precision) }
 }
 
 /// What there is to say of charts on one page.

@@ -14,7 +14,7 @@ use crate::cli::methods::Method;
 use crate::cli::sheet::Sheet;
 use crate::record::failure::Failure;
 use crate::record::history::History;
-use crate::record::{Kkt, Quality, Record, Run, Size, Stages, Timings};
+use crate::record::{Kkt, Quality, Record, RunRecord, Size, Stages, Timings};
 use crate::run::cancel::Cancel;
 use crate::run::charts::{Charts, charts};
 use crate::run::load::Loaded;
@@ -98,7 +98,7 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, wanted: &Wanted<'_>, can
     // What was flattened is a disk.
     let (interior_vertices, boundary_loops) = (Some(flat.interior_vertices), Some(1));
     record.size = Some(Size { interior_vertices, boundary_loops, ..Size::of(loaded.sized(), None) });
-    record.run = Some(Run::new(&method.pipeline, &flat, &progress.rungs()));
+    record.run = Some(RunRecord::new(&method.pipeline, &flat, &progress.rungs()));
 
     progress.say("metrics");
     let judging = Instant::now();
@@ -183,7 +183,7 @@ fn in_charts(
     };
     let elapsed = begin.elapsed().as_secs_f64();
     record.size = Some(Size::of(loaded.mesh(), None));
-    record.run = Run::of_charts(&method.pipeline, atlas.charts.iter().map(|chart| &chart.solved));
+    record.run = RunRecord::of_charts(&method.pipeline, atlas.charts.iter().map(|chart| &chart.solved));
     record.atlas = Some(atlas);
     record.quality = Some(Quality::of_repaired(&metrics, turned, shared));
     record.timings_s = Some(Timings {

@@ -4,7 +4,7 @@
 use crate::record::Stages;
 use crate::record::history::Curves;
 use crate::run::cancel::Cancel;
-use abf::{Event, Observer, Place, Stage, Verdict};
+use abf::{Event, Observer, Stage, UnwrapProgress, Verdict};
 use cpu_time::ProcessTime;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::collections::BTreeMap;
@@ -150,10 +150,10 @@ impl Cpu {
 
 impl Observer for Progress<'_> {
     fn observe(&mut self, event: Event<'_>) -> Verdict {
-        self.observe_at(Place::default(), event)
+        self.observe_at(UnwrapProgress::default(), event)
     }
 
-    fn observe_at(&mut self, place: Place, event: Event<'_>) -> Verdict {
+    fn observe_at(&mut self, place: UnwrapProgress, event: Event<'_>) -> Verdict {
         if let Some(line) = self.line.as_ref().filter(|_| place.faces > 0) {
             line.faces(place.faces_done, place.faces);
         }
@@ -199,7 +199,7 @@ impl Observer for Progress<'_> {
 
 /// What is being done, and where: the component, its piece and the round, of a mesh that is made into charts. Where there
 /// is one of a kind it is not counted.
-fn at(place: Place, what: &str) -> String {
+fn at(place: UnwrapProgress, what: &str) -> String {
     if place.charts == 0 {
         return what.to_owned();
     }
@@ -276,9 +276,9 @@ mod tests {
     fn stages_of_components_side_by_side_are_timed_apart_and_the_place_is_said() {
         let cancel = Cancel::default();
         let mut progress = Progress::new("a mesh", &cancel);
-        let mut second = Place::default();
+        let mut second = UnwrapProgress::default();
         (second.component, second.components, second.charts, second.round) = (1, 3, 1, 1);
-        progress.observe_at(Place::default(), Event::StageStarted(Stage::Solve));
+        progress.observe_at(UnwrapProgress::default(), Event::StageStarted(Stage::Solve));
         progress.observe_at(second, Event::StageStarted(Stage::Solve));
         thread::sleep(Duration::from_millis(5));
         progress.observe_at(second, Event::Working);
@@ -289,7 +289,7 @@ mod tests {
         assert!(of_second >= 0.005 && progress.stages_of(1, 0).solve == of_second);
         assert!(progress.stages().solve >= 0.010 + of_second);
         assert_eq!(progress.stages_of(1, 1), Stages::default());
-        assert_eq!(at(Place::default(), "layout"), "layout");
+        assert_eq!(at(UnwrapProgress::default(), "layout"), "layout");
         assert_eq!(at(second, "layout"), "component 2/3, round 2: layout");
         (second.components, second.chart, second.charts) = (1, 4, 7);
         assert_eq!(at(second, "layout"), "piece 5/7, round 2: layout");

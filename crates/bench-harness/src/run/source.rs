@@ -63,7 +63,7 @@ impl Source {
             },
             Self::Builtin => {
                 let mesh = default_fixture().mesh();
-                let file = MeshFile { mesh, uv: None, colours: None, notes: ReadNotes::default() };
+                let file = MeshFile::new(mesh, None, ReadNotes::default());
                 Ok(Document::Plain(Box::new(file)))
             }
         }
@@ -114,7 +114,7 @@ impl Gltf {
     fn new(document: GltfDocument, surface: GltfSurface) -> Self {
         let (materials, objects) = (surface.material_of_faces(), surface.mesh_of_faces());
         let (sized, placed) = (surface.sized(), surface.placed());
-        let file = MeshFile { mesh: surface.mesh, uv: surface.uv, colours: None, notes: surface.notes };
+        let file = MeshFile::new(surface.mesh, surface.uv, surface.notes);
         Self { document, file, sized, placed, materials, objects }
     }
 }

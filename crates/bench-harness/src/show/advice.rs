@@ -2,7 +2,7 @@
 
 use crate::record::hints::{OR, TRY};
 use crate::record::number::{count, significant};
-use crate::record::{Outcome, Record, Run, Rung};
+use crate::record::{Outcome, Record, RunRecord, RungRecord};
 use abf::{
     Hessian, IterativeSettings, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, Solver,
     SolverKind, Termination,
@@ -77,7 +77,7 @@ pub(crate) fn climb(record: &Record) -> Option<String> {
     Some(format!("{}{end}", rungs.join(", ")))
 }
 
-fn rung(rung: &Rung) -> String {
+fn rung(rung: &RungRecord) -> String {
     let Some(termination) = rung.termination else {
         return format!("{} found nothing ({})", rung.solver, rung.error.as_deref().unwrap_or("no reason given"));
     };
@@ -172,7 +172,7 @@ fn steps(solver: &str, n: usize) -> String {
 }
 
 /// How the solver ended, in words.
-pub(crate) fn ending(run: &Run) -> String {
+pub(crate) fn ending(run: &RunRecord) -> String {
     let steps = steps(&run.solved_by, run.iterations);
     // The refinement of a direct solve is no iteration anyone asked for, and has no estimate.
     let steps = match run.inner_estimate {
@@ -190,14 +190,14 @@ pub(crate) fn ending(run: &Run) -> String {
 }
 
 /// Inner solves that broke off.
-fn inner_shortfall(run: &Run) -> Option<String> {
+fn inner_shortfall(run: &RunRecord) -> Option<String> {
     let worst = run.inner_residual_worst.filter(|_| run.inner_unconverged > 0)?;
     let solves = count(run.inner_unconverged, "inner solve", "inner solves");
     Some(format!("{solves} short of the tolerance (relative residual {} at worst)", significant(worst, 2)))
 }
 
 /// Options that differ from what was asked, the most promising first.
-fn tries(solver: &str, run: &Run) -> Vec<String> {
+fn tries(solver: &str, run: &RunRecord) -> Vec<String> {
     let Some(asked) = run.settings.pipeline() else { return Vec::new() };
     // A solver of someone's own takes none of the options of ours.
     let own = run.settings.solver();
@@ -242,7 +242,7 @@ fn other_passes(passes: Passes, asked: &Pipeline, used: Option<LayoutKind>, term
         tries.push("--passes auto".to_owned());
     }
     match ring_switch(asked) {
-        Some(switch) if asked.estimate.ring_switch.is_none() => tries.insert(0, switch),
+        Some(switch) if asked.initial_guess.ring_switch.is_none() => tries.insert(0, switch),
         Some(switch) => tries.push(switch),
         None => {}
     }
@@ -279,7 +279,7 @@ fn other_steps(solver: &str, asked: &Pipeline, termination: Termination) -> Vec<
 
 /// Another start of the rings, if there is one.
 fn ring_switch(asked: &Pipeline) -> Option<String> {
-    match asked.estimate.ring_switch {
+    match asked.initial_guess.ring_switch {
         None => Some(format!("--ring-switch {USUAL_RING_SWITCH}")),
         Some(threshold) if threshold > EAGER_RING_SWITCH => Some(format!("--ring-switch {EAGER_RING_SWITCH}")),
         Some(_) => None,

@@ -35,7 +35,7 @@ const FIELDS: [&str; 41] = [
     "energy",
     "kkt",
     "inner_unconverged",
-    "moved_angles",
+    "clamped_angles",
     "switched_rings",
     "layout",
     "closing_error",
@@ -49,7 +49,7 @@ const FIELDS: [&str; 41] = [
     "precision_limits",
 ];
 const SETTINGS: [&str; 9] =
-    ["solver", "zero_area", "estimate", "stop", "layout", "normalize", "precision", "max_memory", "threads"];
+    ["solver", "zero_area", "initial_guess", "stop", "layout", "normalize", "precision", "max_memory", "threads"];
 const TIMINGS: [&str; 7] = ["read", "topology", "solve", "layout", "metrics", "write", "total"];
 
 fn assert_has(object: &Value, names: &[&str]) {
@@ -201,7 +201,7 @@ fn the_settings_reach_the_json() {
     assert_eq!((&auto["linabf"]["passes"], &auto["descent"]["barrier_floor"]), (&3.into(), &1e-3.into()), "{settings}");
     assert_eq!(settings["layout"]["kind"], "poisson");
     assert_eq!(
-        (&settings["estimate"]["ring_switch"], &settings["estimate"]["angle_bound"]),
+        (&settings["initial_guess"]["ring_switch"], &settings["initial_guess"]["angle_bound"]),
         (&Value::Null, &0.01.into())
     );
     let stop = serde_json::json!({

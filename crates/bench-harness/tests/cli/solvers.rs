@@ -132,7 +132,7 @@ fn a_limit_of_one_iteration_is_a_limit_and_one_pass_is_a_method() {
 
 #[test]
 fn a_pass_that_has_nothing_to_solve_has_no_residual_of_it() {
-    // Flat to rounding: the estimate meets the constraints as it stands.
+    // Flat to rounding: the initial guess meets the constraints as it stands.
     let result = run_on("--solver linabf --json -", &[&fixture("roll")]).result();
     assert_eq!((&result["inner_iterations"], &result["iterations"]), (&0.into(), &1.into()));
     assert!(result["inner_residual"].is_null() && result["inner_residual_worst"].is_null(), "{result}");

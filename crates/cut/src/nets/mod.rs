@@ -29,6 +29,7 @@ const FOLDS: usize = 64;
 
 /// How a hard surface comes apart.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct HardSurface {
     /// The edges between nets, and around regions that are not developable.
     pub seams: Seams,
@@ -63,7 +64,7 @@ pub fn hard_surface_asking(
     is_forbidden: impl Fn(CornerId) -> bool,
     checkpoint: &mut Checkpoint<'_>,
 ) -> Result<Option<HardSurface>, Cancelled> {
-    let diagonal = crate::seams::diagonal(mesh);
+    let diagonal = mesh.diagonal();
     if !(diagonal > 0.0) {
         return Ok(None);
     }
@@ -135,6 +136,7 @@ fn join(
 
 /// The planar parts of a surface.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct PlanarFacets {
     /// The edges between them.
     pub seams: Seams,
@@ -145,7 +147,7 @@ pub struct PlanarFacets {
 /// Faces in one plane, connected: a map of any surface in parts that are isometric, without solving for anything.
 #[must_use]
 pub fn planar_facets(mesh: &TriMesh, topology: &Topology) -> PlanarFacets {
-    let facets = Facets::grow(mesh, topology, crate::seams::diagonal(mesh), &mut || Ok(())).expect("nobody ends it");
+    let facets = Facets::grow(mesh, topology, mesh.diagonal(), &mut || Ok(())).expect("nobody ends it");
     let facet = |c: CornerId| facets.of_face[c.face().index()];
     let seams = Seams::where_edges(topology, |c, o| facet(c) != facet(o));
     PlanarFacets { seams, layout: facets.layout }
@@ -177,24 +179,24 @@ fn in_order(
     };
     folds.sort_by_cached_key(|fold| {
         let [x, y, z] = middle(fold);
-        (key(fold), Place([x, y, z]), fold.corner)
+        (key(fold), OrderedPoint([x, y, z]), fold.corner)
     });
     folds
 }
 
 /// A point in the order of its coordinates.
 #[derive(PartialEq)]
-struct Place([f64; 3]);
+struct OrderedPoint([f64; 3]);
 
-impl Eq for Place {}
+impl Eq for OrderedPoint {}
 
-impl PartialOrd for Place {
+impl PartialOrd for OrderedPoint {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Place {
+impl Ord for OrderedPoint {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         compare(&self.0, &other.0)
     }

@@ -21,6 +21,7 @@ use std::collections::HashMap;
 )]
 #[strum(serialize_all = "kebab-case", parse_err_ty = UnknownName, parse_err_fn = unknown)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum DoubleSided {
     /// Each has a place of its own. The second faces together are a surface of their own, and so are the third.
     #[default]

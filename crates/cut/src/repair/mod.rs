@@ -21,6 +21,7 @@ pub use report::{Found, RepairReport};
 
 /// A mesh that [`Topology::build`] accepts, with the way back to the one it was made from.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Repaired {
     /// The repaired mesh. All vertices of the input in their order, then copies of those that were split.
     pub mesh: TriMesh,

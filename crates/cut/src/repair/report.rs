@@ -4,6 +4,7 @@ use abf_mesh::{GeometryError, TriMesh};
 
 /// How many of a kind there are, and the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Found {
     /// How many.
     pub count: usize,

@@ -6,14 +6,14 @@ use std::io;
 
 /// A place in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
+pub enum FilePlace {
     /// A line of a text file, counted from 1. A statement over several lines is at its first.
     Line(usize),
     /// A byte of a binary file, counted from 0: the first of the record.
     Byte(usize),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(line) => write!(f, "line {line}"),
@@ -28,7 +28,7 @@ pub struct Location {
     /// The name of the file.
     pub file: String,
     /// Where in it.
-    pub place: Place,
+    pub place: FilePlace,
 }
 
 impl fmt::Display for Location {

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use super::error::{Location, Place, ReadError};
+use super::error::{FilePlace, Location, ReadError};
 use super::polygon::{self, Inside};
 use super::{MeshFile, ReadNotes, UvDropped};
 use crate::{Point2, Point3, TriMesh, UvId, UvMap};
@@ -26,7 +26,7 @@ pub(super) struct Gather<'a> {
     /// The UV points of all polygons.
     uv_corners: Vec<usize>,
     /// For every polygon where its corners end, and its place in the file.
-    polygons: Vec<(usize, Place)>,
+    polygons: Vec<(usize, FilePlace)>,
     /// The UV points by vertex and bits, for formats that store the UVs themselves per corner.
     uv_by_value: HashMap<(usize, [u64; 2]), usize>,
     not_finite: Option<Fault<()>>,
@@ -37,14 +37,14 @@ pub(super) struct Gather<'a> {
 
 /// A fault that may occur many times: where first, what is to be said of that one, how many.
 struct Fault<T> {
-    first: Place,
+    first: FilePlace,
     detail: T,
     count: usize,
 }
 
 impl<T> Fault<T> {
     /// Counts one more, in whatever order they are found.
-    fn add(slot: &mut Option<Self>, place: Place, detail: T) {
+    fn add(slot: &mut Option<Self>, place: FilePlace, detail: T) {
         match slot {
             None => *slot = Some(Self { first: place, detail, count: 1 }),
             Some(fault) => {
@@ -78,7 +78,7 @@ impl<'a> Gather<'a> {
     }
 
     /// The next vertex.
-    pub(super) fn vertex(&mut self, [x, y, z]: [f64; 3], place: Place) {
+    pub(super) fn vertex(&mut self, [x, y, z]: [f64; 3], place: FilePlace) {
         if ![x, y, z].iter().all(|c| c.is_finite()) {
             Fault::add(&mut self.not_finite, place, ());
         }
@@ -105,17 +105,17 @@ impl<'a> Gather<'a> {
 
     /// A corner whose vertex index, as written, cannot name anything. The file is not readable any
     /// more, but counting goes on.
-    pub(super) fn bad_vertex(&mut self, place: Place, index: i64) {
+    pub(super) fn bad_vertex(&mut self, place: FilePlace, index: i64) {
         Fault::add(&mut self.bad_vertex, place, (index, self.positions.len()));
     }
 
     /// A UV index that cannot name anything.
-    pub(super) fn bad_uv(&mut self, place: Place, index: i64) {
+    pub(super) fn bad_uv(&mut self, place: FilePlace, index: i64) {
         Fault::add(&mut self.bad_uv, place, (index, self.uv_points.len()));
     }
 
     /// Ends the current polygon.
-    pub(super) fn end_polygon(&mut self, place: Place) {
+    pub(super) fn end_polygon(&mut self, place: FilePlace) {
         let start = self.polygons.last().map_or(0, |&(end, _)| end);
         let corners = self.corners.len() - start;
         if corners < 3 {

@@ -39,7 +39,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 pub use compressed::read_bytes;
-pub use error::{Location, Place, ReadError, WriteError};
+pub use error::{FilePlace, Location, ReadError, WriteError};
 pub use file::{check_replaceable, replace};
 pub use format::{MeshFormat, UnknownFormat};
 #[cfg(feature = "gltf")]
@@ -106,7 +106,7 @@ fn check_readable(format: MeshFormat, name: &str, bytes: &[u8]) -> Result<(), Re
     }
     // A binary PLY begins with "ply", and a binary STL may begin with anything.
     if format != MeshFormat::Stl && UTF_16_MARKS.iter().any(|mark| bytes.starts_with(mark)) {
-        let at = Location { file: name.to_owned(), place: Place::Line(1) };
+        let at = Location { file: name.to_owned(), place: FilePlace::Line(1) };
         return Err(ReadError::Unsupported { at, feature: "UTF-16 text".to_owned() });
     }
     Ok(())

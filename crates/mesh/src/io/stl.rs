@@ -9,7 +9,7 @@
 use std::collections::HashMap;
 
 use super::MeshFile;
-use super::error::{Place, ReadError};
+use super::error::{FilePlace, ReadError};
 use super::gather::{Gather, NO_UV};
 use super::text::{Line, Lines, quote};
 
@@ -40,7 +40,7 @@ struct Welder<'a> {
 }
 
 impl Welder<'_> {
-    fn corner(&mut self, position: [f64; 3], place: Place) {
+    fn corner(&mut self, position: [f64; 3], place: FilePlace) {
         // Adding +0 turns −0 into +0 and leaves all other numbers as they are.
         let key = position.map(|x| (x + 0.0).to_bits());
         let next = self.gather.positions.len();
@@ -72,7 +72,7 @@ fn binary(file: &str, bytes: &[u8], welder: &mut Welder<'_>) -> Result<(), ReadE
         return Err(ReadError::Truncated { file: file.to_owned(), expected, present: bytes.len() });
     };
     for (f, facet) in facets.chunks_exact(FACET).enumerate() {
-        let place = Place::Byte(HEADER + f * FACET);
+        let place = FilePlace::Byte(HEADER + f * FACET);
         let (positions, attributes) = facet[POSITIONS..].split_at(3 * POSITION);
         for position in positions.chunks_exact(POSITION) {
             welder.corner([0, 4, 8].map(|i| single(position, i)), place);

@@ -1,6 +1,6 @@
 //! Lines and words of text formats, as bytes: no line is copied, and none need be UTF-8.
 
-use super::error::{Location, Place, ReadError};
+use super::error::{FilePlace, Location, ReadError};
 
 /// The longest piece of a file that a message repeats, in characters.
 const LONGEST_QUOTE: usize = 40;
@@ -106,8 +106,8 @@ impl<'a> Line<'a> {
     }
 
     /// Where this line is.
-    pub(super) fn place(&self) -> Place {
-        Place::Line(self.number)
+    pub(super) fn place(&self) -> FilePlace {
+        FilePlace::Line(self.number)
     }
 
     /// Where this line is, with the name of the file.
@@ -219,7 +219,7 @@ mod tests {
         let lines: Vec<Line<'_>> = Lines::new("t", b"\xef\xbb\xbfa\r\nb\n\rc\r\n\nd").collect();
         let texts: Vec<&[u8]> = lines.iter().map(|l| l.text).collect();
         assert_eq!(texts, [b"a" as &[u8], b"b", b"", b"c", b"", b"d"]);
-        assert_eq!(lines[5].place(), Place::Line(6));
+        assert_eq!(lines[5].place(), FilePlace::Line(6));
     }
 
     #[test]

@@ -76,6 +76,7 @@ pub enum TopologyError {
 /// A law of the corner table that does not hold; see [`Topology::check`](super::Topology::check).
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("corner table broken at corner {corner}: {law}")]
+#[non_exhaustive]
 pub struct BrokenLaw {
     /// Where.
     pub corner: CornerId,

@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use abf_metrics::{Metrics, measure};
 
 use super::number::significant;
-use super::{MeshSection, Run};
+use super::{MeshSection, SolverRun};
 
 /// What became of a run.
 #[derive(Clone, Debug)]
@@ -59,7 +59,7 @@ impl<'a> Judgement<'a> {
     }
 }
 
-fn outcome(section: &MeshSection<'_>, run: &Run<'_>) -> Outcome {
+fn outcome(section: &MeshSection<'_>, run: &SolverRun<'_>) -> Outcome {
     if let Some(reason) = &run.failure {
         return Outcome::Failed(reason.clone());
     }
@@ -76,15 +76,17 @@ fn outcome(section: &MeshSection<'_>, run: &Run<'_>) -> Outcome {
 /// fewest flipped and collapsed triangles. `None` if there is no layout at all.
 fn best(outcomes: &[Outcome]) -> Option<usize> {
     let rank = |a: &Metrics, b: &Metrics| -> Ordering {
-        (a.flips + a.collapsed).cmp(&(b.flips + b.collapsed)).then(a.f.total_cmp(&b.f))
+        (a.certificate.flips + a.certificate.collapsed)
+            .cmp(&(b.certificate.flips + b.certificate.collapsed))
+            .then(a.f.total_cmp(&b.f))
     };
     let judged = outcomes.iter().enumerate().filter_map(|(k, outcome)| outcome.metrics().map(|m| (k, m)));
     judged.min_by(|(_, a), (_, b)| rank(a, b)).map(|(k, _)| k)
 }
 
 /// The name of every run: its solver, numbered from the second run of one solver on.
-fn labels(runs: &[Run<'_>]) -> Vec<String> {
-    let numbered = |(k, run): (usize, &Run<'_>)| {
+fn labels(runs: &[SolverRun<'_>]) -> Vec<String> {
+    let numbered = |(k, run): (usize, &SolverRun<'_>)| {
         let before = runs[..k].iter().filter(|other| other.solver == run.solver).count();
         if before == 0 { run.solver.to_owned() } else { format!("{} ({})", run.solver, before + 1) }
     };
@@ -94,10 +96,10 @@ fn labels(runs: &[Run<'_>]) -> Vec<String> {
 /// How a layout lies, in a few words.
 pub(crate) fn validity(metrics: &Metrics) -> String {
     let parts: Vec<String> = [
-        (metrics.flips, "flipped"),
-        (metrics.collapsed, "collapsed"),
-        (metrics.wound, "wound vertices"),
-        (metrics.overlaps(), "overlaps"),
+        (metrics.certificate.flips, "flipped"),
+        (metrics.certificate.collapsed, "collapsed"),
+        (metrics.certificate.wound, "wound vertices"),
+        (metrics.certificate.overlaps(), "overlaps"),
     ]
     .into_iter()
     .filter(|&(count, _)| count > 0)
@@ -134,7 +136,7 @@ mod tests {
         let mesh = TriMesh::new(positions, &[[0, 1, 2], [0, 2, 3]]).expect("indices in range");
         let uv: Vec<_> = corners[..3].iter().chain([&last]).map(|&p| Point2::from(p)).collect();
         let uv = UvMap::per_vertex(&mesh, &uv);
-        let run = Run { solver: "x", uv: Some(&uv), ..Run::default() };
+        let run = SolverRun { solver: "x", uv: Some(&uv), ..SolverRun::default() };
         outcome(&MeshSection { name: "square", mesh: Some(&mesh), runs: Vec::new() }, &run)
     }
 
@@ -150,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_second_run_of_one_solver_is_numbered() {
-        let runs = ["a", "b", "a", "a"].map(|solver| Run { solver, ..Run::default() });
+        let runs = ["a", "b", "a", "a"].map(|solver| SolverRun { solver, ..SolverRun::default() });
         assert_eq!(labels(&runs), ["a", "b", "a (2)", "a (3)"]);
     }
 }

@@ -92,7 +92,7 @@ fn coloured(scene: &Scene<'_>, spread: &Spread, judgement: &Judgement<'_>, run: 
     let name = judgement.section.name;
     let alt =
         format!("The same surface and layout of {name}, each triangle coloured by its largest angle error: {numbers}.");
-    let flips = judgement.metrics(run).map_or(0, |m| m.flips);
+    let flips = judgement.metrics(run).map_or(0, |m| m.certificate.flips);
     let caption = format!("{}<p>Largest angle error of each triangle: {numbers}.</p>", legend(spread, flips));
     Ok(figure(pair(scene, &Skin::Faces(&colours))?, LARGE, &alt, &caption))
 }

@@ -16,20 +16,24 @@ fn number(value: f64) -> Cell {
 }
 
 /// A run with a layout, one with a failure and one with figures only.
-fn runs(uv: &UvMap) -> Vec<Run<'_>> {
+fn runs(uv: &UvMap) -> Vec<SolverRun<'_>> {
     let columns = vec![("time".to_owned(), number(1.5)), (EVIL.to_owned(), Cell::Text(EVIL.to_owned()))];
     let outer = vec![(0.0, 1.0), (1.0, 1e-4), (2.0, 0.0), (3.0, f64::NAN)];
     vec![
-        Run {
+        SolverRun {
             solver: "linabf",
             uv: Some(uv),
             columns,
             outer,
             settings: vec![(EVIL.to_owned(), EVIL.to_owned())],
-            ..Run::default()
+            ..SolverRun::default()
         },
-        Run { solver: EVIL, failure: Some(EVIL.to_owned()), inner: vec![1.0; 1000], ..Run::default() },
-        Run { solver: "linabf", columns: vec![("time".to_owned(), number(f64::INFINITY))], ..Run::default() },
+        SolverRun { solver: EVIL, failure: Some(EVIL.to_owned()), inner: vec![1.0; 1000], ..SolverRun::default() },
+        SolverRun {
+            solver: "linabf",
+            columns: vec![("time".to_owned(), number(f64::INFINITY))],
+            ..SolverRun::default()
+        },
     ]
 }
 
@@ -188,7 +192,7 @@ fn eight_runs_on_twenty_thousand_triangles_take_little_room() {
     const LIMIT: usize = 1_200_000;
     let mesh = Shape::SpikyField.mesh(20_000);
     let uv = projected(&mesh);
-    let runs = (0..8).map(|_| Run { solver: "linabf", uv: Some(&uv), ..Run::default() }).collect();
+    let runs = (0..8).map(|_| SolverRun { solver: "linabf", uv: Some(&uv), ..SolverRun::default() }).collect();
     let fragment = MeshFragment::render(&MeshSection { name: "spikes", mesh: Some(&mesh), runs });
     assert!(fragment.bytes() < LIMIT, "{} bytes", fragment.bytes());
 }

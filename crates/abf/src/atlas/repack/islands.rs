@@ -38,7 +38,7 @@ impl<'a> Islands<'a> {
         let count = of_face.iter().max().map_or(0, |last| last + 1);
         let mut faces = vec![Vec::new(); count];
         of_face.iter().enumerate().for_each(|(f, &island)| faces[island].push(FaceId::new(f)));
-        let mut judge = Judge::new(mesh, turned, uv, precision);
+        let judge = Judge::new(mesh, turned, uv, precision);
         let whole = judge.certificate(&[(0..mesh.face_count()).map(FaceId::new).collect()])?;
         let mut found = Self {
             uv,

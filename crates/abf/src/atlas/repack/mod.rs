@@ -9,7 +9,7 @@ use super::judge::{Judge, as_repaired};
 use super::{Atlas, AtlasError, NarrowPlace, Placement, Stored};
 use abf_cut::Weld;
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap};
-use abf_metrics::{Metrics, Precision};
+use abf_metrics::Metrics;
 use abf_pack::{Packing, Piece};
 use islands::Islands;
 
@@ -17,7 +17,7 @@ use islands::Islands;
 ///
 /// ```
 /// use abf::mesh::{Point2, Point3, TriMesh, UvId, UvMap};
-/// use abf::{Precision, Repack};
+/// use abf::{Repack, Stored};
 ///
 /// // Two triangles, far apart in the plane.
 /// let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -25,7 +25,7 @@ use islands::Islands;
 /// let places = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [50.0, 0.0], [51.0, 1.0], [50.0, 1.0]];
 /// let uv = UvMap::new(places.map(Point2::from).to_vec(), (0..6).map(UvId::new).collect());
 ///
-/// let packed = Repack::default().run(&mesh, &uv, None, (|p| p, Precision::Double))?;
+/// let packed = Repack::default().run(&mesh, &uv, None, Stored::default())?;
 /// assert_eq!(packed.islands, 2);
 /// assert!(packed.coverage > 0.4 && packed.metrics.injective());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -46,6 +46,7 @@ pub struct Repack {
 
 /// UV islands in the unit squares of their pages.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Repacked {
     /// The map, with the corners of the one given, each island within `[0, 1]²` of its page, as it will be stored. Points
     /// that no corner uses are at the origin.
@@ -88,9 +89,9 @@ impl Repack {
         mesh: &TriMesh,
         uv: &UvMap,
         materials: Option<&[u32]>,
-        (stored, precision): (Stored, Precision),
+        stored: Stored,
     ) -> Result<Repacked, AtlasError> {
-        let atlas = &self.atlas;
+        let (atlas, precision) = (&self.atlas, stored.precision());
         atlas.check()?;
         // Faces that repair turns around are judged so. Where it leaves nothing, nothing was turned.
         let repaired = as_repaired(mesh, Weld::Auto, None);
@@ -110,7 +111,7 @@ impl Repack {
             .collect();
         let settings = atlas.packer(precision);
         loop {
-            let Packing { texels_per_unit, placements, pages, coverage } =
+            let Packing { texels_per_unit, placements, pages, coverage, .. } =
                 abf_pack::pack(&pieces, &settings).map_err(|error| atlas.refused(error))?;
             let mut of_island = vec![Placement::from(placements[0]); islands.len()];
             for (bundle, &placed) in bundles.iter().zip(&placements) {
@@ -119,9 +120,9 @@ impl Repack {
             for (i, leader) in stacked_on.iter().enumerate() {
                 leader.iter().for_each(|leader: &stacked::Stacked| of_island[i] = of_island[leader.on]);
             }
-            let place = |i: usize, p| stored(of_island[i].place(p, texels_per_unit, atlas.page));
+            let place = |i: usize, p| stored.point(of_island[i].place(p, texels_per_unit, atlas.page));
             let packed = islands.moved(&stacked_on, place);
-            let mut judge = Judge::new(mesh, &turned, &packed, precision);
+            let judge = Judge::new(mesh, &turned, &packed, precision);
             let mut faces_of: Vec<Vec<FaceId>> = vec![Vec::new(); pages];
             for &i in bundles.iter().flatten() {
                 faces_of[of_island[i].page].extend_from_slice(&islands.faces[i]);

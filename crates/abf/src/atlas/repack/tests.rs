@@ -32,7 +32,7 @@ fn turned(ring: &Outline, degrees: f64, by: [f64; 2]) -> Outline {
 
 fn run(repack: Repack, islands: &[Outline]) -> Repacked {
     let (mesh, uv) = fans(islands);
-    repack.run(&mesh, &uv, None, (|p| p, Precision::Double)).expect("packed")
+    repack.run(&mesh, &uv, None, Stored::default()).expect("packed")
 }
 
 /// A right triangle with three different sides.
@@ -67,7 +67,7 @@ fn islands_that_lie_over_each_other_stay_together_and_those_that_touch_do_not() 
     assert_eq!((packed.islands, packed.pieces), (5, 3));
     let at = |i: usize| packed.placements[i];
     assert!(at(0) == at(1) && at(3) == at(4) && at(1) != at(2));
-    assert!(packed.metrics.overlaps() > 0, "they did before");
+    assert!(packed.metrics.certificate.overlaps() > 0, "they did before");
     // What two cover counts once.
     let scale = packed.texels_per_unit / 1024.0;
     let expected = (1.75 + 1.0 + 0.04) * scale * scale;
@@ -132,7 +132,7 @@ fn islands_share_pages_as_they_are_asked_to() {
     let on = |pages| {
         let atlas = Atlas { pages, ..Atlas::default() };
         let repack = Repack { atlas, stack: true };
-        repack.run(&mesh, &uv, Some(&[7, 7, 2, 2, 7, 7]), (|p| p, Precision::Double)).expect("packed")
+        repack.run(&mesh, &uv, Some(&[7, 7, 2, 2, 7, 7]), Stored::default()).expect("packed")
     };
     let by_material = on(AtlasPages::PerMaterial);
     assert_eq!((by_material.pages, &by_material.stacked_on[..]), (2, &[None, None, Some(0)][..]));
@@ -143,9 +143,8 @@ fn islands_share_pages_as_they_are_asked_to() {
 #[test]
 fn what_cannot_be_packed_anew_is_refused_by_name() {
     let (mesh, uv) = fans(&[quad(0.0, 0.0, 1.0, 1.0), quad(0.0, 0.0, 1.0, 1.0), quad(5.0, 5.0, 1.0, 1.0)]);
-    let with = |atlas: Atlas, uv: &UvMap| {
-        Repack { atlas, stack: false }.run(&mesh, uv, None, (|p| p, Precision::Double)).unwrap_err()
-    };
+    let with =
+        |atlas: Atlas, uv: &UvMap| Repack { atlas, stack: false }.run(&mesh, uv, None, Stored::default()).unwrap_err();
     let error = with(Atlas::default(), &uv.clone().mapped(|p| if p.x > 5.5 { Point2::new(f64::NAN, p.y) } else { p }));
     assert!(matches!(error, AtlasError::Metrics(MetricsError::UvNotFinite { count: 2, .. })), "{error}");
     let fixed = |texels: f64, max_pages| Atlas { texels_per_unit: Some(texels), max_pages, ..Atlas::default() };
@@ -154,6 +153,6 @@ fn what_cannot_be_packed_anew_is_refused_by_name() {
     let error = with(fixed(1000.0, 1), &uv);
     assert!(matches!(error, AtlasError::Pack(PackError::TooManyPages { pages: 1, .. })), "{error}");
     let (mesh_of_one, _) = fans(&[quad(0.0, 0.0, 1.0, 1.0)]);
-    let error = Repack::default().run(&mesh_of_one, &uv, None, (|p| p, Precision::Double)).unwrap_err();
+    let error = Repack::default().run(&mesh_of_one, &uv, None, Stored::default()).unwrap_err();
     assert!(matches!(error, AtlasError::Metrics(MetricsError::CornerCount { .. })), "{error}");
 }

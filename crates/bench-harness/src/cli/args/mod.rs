@@ -270,13 +270,13 @@ mod tests {
     #[test]
     fn the_defaults_in_the_help_are_those_of_the_library() {
         let help = Args::command().render_long_help().to_string();
-        let (stop, estimate) = (abf::StopCriteria::default(), abf::EstimateSettings::default());
+        let (stop, initial_guess) = (abf::StopCriteria::default(), abf::GuessSettings::default());
         let iterative = abf::IterativeSettings::default();
         for text in [
             format!("{:e}", stop.tolerance),
             stop.max_iterations.to_string(),
-            estimate.angle_bound.to_string(),
-            estimate.ring_switch.expect("on").to_string(),
+            initial_guess.angle_bound.to_string(),
+            initial_guess.ring_switch.expect("on").to_string(),
             abf::Passes::default().to_string(),
             abf::LineSearch::default().to_string(),
             iterative.reduction.to_string(),

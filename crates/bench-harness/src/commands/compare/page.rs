@@ -7,7 +7,7 @@ use crate::run::Flattened;
 use crate::run::load::Loaded;
 use crate::show::files;
 use crate::show::table;
-use abf_report::page::{MeshFragment, MeshSection, Run, assemble};
+use abf_report::page::{MeshFragment, MeshSection, SolverRun, assemble};
 use std::path::PathBuf;
 
 const TITLE: &str = "Comparison of flattenings";
@@ -44,9 +44,9 @@ impl Report {
     }
 }
 
-fn row(flattened: &Flattened) -> Run<'_> {
+fn row(flattened: &Flattened) -> SolverRun<'_> {
     let Flattened { record, uv, history, .. } = flattened;
-    Run {
+    SolverRun {
         solver: record.solver.as_deref().unwrap_or(NO_SOLVER),
         settings: record.run.as_ref().map(|run| run.settings.listed()).unwrap_or_default(),
         uv: uv.as_ref(),

@@ -1,7 +1,7 @@
 //! The columns there are, and which table has which.
 
 use super::cell::Cell;
-use crate::record::{Change, Quality, Record, Run};
+use crate::record::{Change, Quality, Record, RunRecord};
 use crate::show::advice::remark;
 
 /// How many digits errors and stretch are shown with.
@@ -130,7 +130,7 @@ const TIME_CHANGE: Column =
     Column::number("time new/old", "baseline_time_ratio", |r| change(r, |c| c.time_ratio.map(Cell::Ratio)));
 const REMARK: Column = Column::text("remark", "remark", |r| remark(r).map(Cell::Text).into());
 
-fn run(record: &Record, cell: impl Fn(&Run) -> Option<Cell>) -> Cell {
+fn run(record: &Record, cell: impl Fn(&RunRecord) -> Option<Cell>) -> Cell {
     record.run.as_ref().and_then(cell).into()
 }
 

@@ -1,7 +1,7 @@
 //! One record for people, in full.
 
 use crate::record::number::{count, megabytes, seconds, significant};
-use crate::record::{InnerAccuracy, Kkt, Quality, Record, Run, Size, Timings};
+use crate::record::{InnerAccuracy, Kkt, Quality, Record, RunRecord, Size, Timings};
 use crate::show::advice::ending;
 use abf::{Metrics, Precision, Solver, SolverKind};
 use std::fmt::Write;
@@ -64,7 +64,7 @@ pub(super) fn size_line(size: &Size) -> String {
 }
 
 /// What the solver was asked and what it did.
-fn run_lines(solver: &str, run: &Run) -> Vec<(&'static str, String)> {
+fn run_lines(solver: &str, run: &RunRecord) -> Vec<(&'static str, String)> {
     let mut lines = vec![("solver", solver_line(solver, run))];
     let asked = run.settings.solver();
     lines.extend(asked.as_ref().and_then(newton_line).map(|line| ("step", line)));
@@ -76,7 +76,7 @@ fn run_lines(solver: &str, run: &Run) -> Vec<(&'static str, String)> {
     lines
 }
 
-fn solver_line(solver: &str, run: &Run) -> String {
+fn solver_line(solver: &str, run: &RunRecord) -> String {
     let mut parts = vec![solver.to_owned()];
     if !run.rungs.is_empty() {
         parts.push(format!("by {}", run.solved_by));
@@ -85,7 +85,7 @@ fn solver_line(solver: &str, run: &Run) -> String {
     let Some(asked) = run.settings.pipeline() else { return parts.join(", ") };
     // A method without angles takes none of these; a solver of someone's own finds angles.
     if solver.parse().map_or(true, SolverKind::keeps_constraints) {
-        parts.push(match asked.estimate.ring_switch {
+        parts.push(match asked.initial_guess.ring_switch {
             Some(threshold) => format!("ring switch {threshold} rad ({} switched)", run.switched_rings),
             None => "ring switch off".to_owned(),
         });
@@ -114,7 +114,7 @@ fn inner_settings_line(asked: &Solver) -> Option<String> {
 }
 
 /// How exactly the linear systems were solved.
-fn accuracy_line(run: &Run) -> Option<String> {
+fn accuracy_line(run: &RunRecord) -> Option<String> {
     let figure = |x| significant(x, RESIDUAL_DIGITS);
     let mut text = format!(
         "relative residual of the linear solves {} at worst, {} at last",
@@ -131,7 +131,7 @@ fn accuracy_line(run: &Run) -> Option<String> {
 }
 
 /// What the exact Hessian did; nothing where it is positive by construction.
-fn curvature_line(asked: &Solver, run: &Run) -> Option<String> {
+fn curvature_line(asked: &Solver, run: &RunRecord) -> Option<String> {
     let (negative, fallbacks) = (run.negative_curvature?, run.fallbacks?);
     if asked.newton_settings()?.hessian != abf::Hessian::Exact {
         return None;
@@ -152,7 +152,7 @@ fn kkt_line(kkt: Kkt) -> String {
     format!("{unknowns} unknowns, nonzeros: log wheel {nonzeros_log}, product wheel {nonzeros_product} ({ratio} times)")
 }
 
-fn ended_line(run: &Run) -> String {
+fn ended_line(run: &RunRecord) -> String {
     let mut parts = vec![ending(run)];
     if let Some(residual) = run.constraint_residual {
         parts.push(format!("constraint residual {}", significant(residual, RESIDUAL_DIGITS)));
@@ -160,13 +160,13 @@ fn ended_line(run: &Run) -> String {
     if let Some(outside) = run.angles_out_of_range.filter(|&n| n > 0) {
         parts.push(count(outside, "angle outside (0, π)", "angles outside (0, π)"));
     }
-    if run.moved_angles > 0 {
-        parts.push(count(run.moved_angles, "angle moved into its bounds", "angles moved into their bounds"));
+    if run.clamped_angles > 0 {
+        parts.push(count(run.clamped_angles, "angle clamped to its bounds", "angles clamped to their bounds"));
     }
     parts.join(", ")
 }
 
-fn layout_line(run: &Run) -> String {
+fn layout_line(run: &RunRecord) -> String {
     let Some(kind) = run.layout else {
         let mut text = "none: the positions are what was solved for".to_owned();
         if !run.scaled {

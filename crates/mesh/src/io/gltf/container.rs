@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
-use super::super::error::{Location, Place, ReadError};
+use super::super::error::{FilePlace, Location, ReadError};
 
 /// The first bytes of a `.glb`.
 pub(super) const MAGIC: &[u8] = b"glTF";
@@ -25,7 +25,7 @@ pub(super) struct Chunks<'a> {
 
 /// Takes a `.glb` apart.
 pub(super) fn split<'a>(file: &str, bytes: &'a [u8]) -> Result<Chunks<'a>, ReadError> {
-    let at = |byte| Location { file: file.to_owned(), place: Place::Byte(byte) };
+    let at = |byte| Location { file: file.to_owned(), place: FilePlace::Byte(byte) };
     let truncated = |expected| ReadError::Truncated { file: file.to_owned(), expected, present: bytes.len() };
     if !bytes.starts_with(MAGIC) {
         let reason = "a .glb begins with `glTF`".to_owned();

@@ -28,6 +28,7 @@ pub struct GltfTexcoords {
 
 /// What became of the vertices of a document.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct GltfRemap {
     /// The number `n` of the new `TEXCOORD_n`.
     pub set: u32,
@@ -39,6 +40,7 @@ pub struct GltfRemap {
 
 /// What became of the vertices of a primitive.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct PrimitiveRemap {
     /// The mesh, counted from 0.
     pub mesh: usize,

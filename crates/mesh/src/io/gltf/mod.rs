@@ -42,7 +42,7 @@ pub use surface::{GltfPrimitive, GltfSurface};
 
 use self::json::{Item, Object};
 use super::MeshFile;
-use super::error::{Location, Place, ReadError};
+use super::error::{FilePlace, Location, ReadError};
 use super::text::without_mark;
 
 /// Gives the bytes of a buffer that has a file of its own, by its name relative to the document: as many as are said,
@@ -112,7 +112,7 @@ impl GltfDocument {
         } else {
             let json = without_mark(bytes);
             if !json.trim_ascii_start().starts_with(b"{") {
-                let at = Location { file: name.to_owned(), place: Place::Byte(0) };
+                let at = Location { file: name.to_owned(), place: FilePlace::Byte(0) };
                 let reason = "neither `glTF`, with which a .glb begins, nor JSON".to_owned();
                 return Err(ReadError::BadHeader { at, reason });
             }

@@ -4,6 +4,7 @@ use crate::Point3;
 
 /// Where a mesh stands in the scene: the largest of its instances.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct GltfPlace {
     /// What lengths of the mesh are multiplied by: `√(A / A₀)`, with `A` the area in the scene and `A₀` that as stored.
     /// 1 where the mesh is in no node, where all its instances have no size, and where it is skinned.

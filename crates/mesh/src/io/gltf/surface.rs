@@ -19,6 +19,7 @@ const FAN: usize = 6;
 
 /// A primitive of triangles, as stored: vertices are split wherever an attribute differs.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct GltfPrimitive {
     /// The mesh it belongs to, counted from 0.
     pub mesh: usize,
@@ -40,6 +41,7 @@ pub struct GltfPrimitive {
 
 /// All triangles of a document as one mesh.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct GltfSurface {
     /// The surface: the vertices of each mesh welded by exact position, without those that no triangle uses.
     pub mesh: TriMesh,

@@ -54,6 +54,7 @@ struct Statements {
 
 /// What was written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ObjWritten {
     /// Polygons written as triangles, because a seam runs along a diagonal.
     pub polygons_split: usize,

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::io::error::{Location, Place, ReadError};
+use crate::io::error::{FilePlace, Location, ReadError};
 use crate::io::text::{integer, quote};
 
 /// How the values are stored.
@@ -160,7 +160,7 @@ impl Header {
             needed = needed.saturating_add(element.least_bytes(self.encoding));
             // The last line of a text need not have an end.
             if needed > present + usize::from(self.encoding == Encoding::Ascii) {
-                let at = Location { file: file.to_owned(), place: Place::Line(element.line) };
+                let at = Location { file: file.to_owned(), place: FilePlace::Line(element.line) };
                 let (what, claimed) = (element.name.clone(), element.rows);
                 return Err(ReadError::ClaimTooLarge { at, what, claimed, present });
             }
@@ -189,7 +189,7 @@ struct Parser<'a> {
 
 impl Parser<'_> {
     fn at(&self) -> Location {
-        Location { file: self.file.to_owned(), place: Place::Line(self.line) }
+        Location { file: self.file.to_owned(), place: FilePlace::Line(self.line) }
     }
 
     fn bad(&self, reason: impl Into<String>) -> ReadError {

@@ -17,7 +17,7 @@ pub use write::write_ply;
 pub(super) use write::{write, write_coloured};
 
 use super::MeshFile;
-use super::error::{Location, Place, ReadError};
+use super::error::{FilePlace, Location, ReadError};
 use super::gather::{Gather, NO_UV};
 use crate::Point2;
 
@@ -99,7 +99,7 @@ impl Ply<'_> {
     fn elements(&mut self, file: &str, header: &Header, mut rows: impl Rows) -> Result<(), ReadError> {
         let has_faces = header.elements.iter().any(|e| e.name == "face");
         for element in &header.elements {
-            let at = || Location { file: file.to_owned(), place: Place::Line(element.line) };
+            let at = || Location { file: file.to_owned(), place: FilePlace::Line(element.line) };
             match element.name.as_str() {
                 "vertex" => self.vertices(element, &at, &mut rows)?,
                 "face" => self.faces(element, &at, &mut rows)?,

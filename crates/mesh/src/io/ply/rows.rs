@@ -1,7 +1,7 @@
 //! The rows of a PLY file, value by value, from words or from bytes.
 
 use super::header::{Element, Encoding, Header, Scalar};
-use crate::io::error::{Location, Place, ReadError};
+use crate::io::error::{FilePlace, Location, ReadError};
 use crate::io::text::{Line, Lines, Words};
 
 /// Where values come from: a row is begun, then its values are taken in their order.
@@ -16,7 +16,7 @@ pub(super) trait Rows {
     fn skip(&mut self, scalar: Scalar, count: usize, name: &str) -> Result<(), ReadError>;
 
     /// Where the row begins.
-    fn place(&self) -> Place;
+    fn place(&self) -> FilePlace;
 
     /// Where the row begins, with the name of the file.
     fn at(&self) -> Location;
@@ -89,7 +89,7 @@ impl Rows for TextRows<'_> {
         (0..count).try_for_each(|_| self.value(scalar, name).map(drop))
     }
 
-    fn place(&self) -> Place {
+    fn place(&self) -> FilePlace {
         self.line.place()
     }
 
@@ -166,8 +166,8 @@ impl Rows for BinaryRows<'_> {
         self.take(scalar.size().saturating_mul(count)).map(drop)
     }
 
-    fn place(&self) -> Place {
-        Place::Byte(self.start)
+    fn place(&self) -> FilePlace {
+        FilePlace::Byte(self.start)
     }
 
     fn at(&self) -> Location {

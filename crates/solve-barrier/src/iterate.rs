@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 /// Angles strictly inside (0, π), the constraints there and what they cost.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
+pub(crate) struct Iterate {
     pub(crate) angles: Vec<f64>,
     /// h, wheels in the log form.
     pub(crate) residual: Vec<f64>,
@@ -18,7 +18,7 @@ pub(crate) struct Place {
     pub(crate) logarithms: f64,
 }
 
-impl Place {
+impl Iterate {
     pub(crate) fn new(problem: &AngleProblem<'_>, angles: Vec<f64>) -> Self {
         let (residual, wheel) = linearise(problem.rows(), &angles);
         Self {
