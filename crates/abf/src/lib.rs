@@ -77,8 +77,8 @@ pub mod cut {
     pub use abf_cut::{
         Chart, CostSettings, EdgeCosts, Filled, Found, HardSurface, HoleFilling, PlanarFacets, RepairError,
         RepairReport, Repaired, Seams, Simplified, Welded, distances, extend, fill, hard_surface, hard_surface_asking,
-        label_borders, loop_length, open, outer_loop, planar_facets, repair, repair_with, simplify, simplify_asking,
-        split, two_parts, two_parts_asking, uv_borders, weld, weld_within,
+        label_borders, loop_length, open, outer_loop, planar_facets, repair, repair_asking, repair_with, simplify,
+        simplify_asking, split, split_asking, two_parts, two_parts_asking, uv_borders, weld, weld_asking, weld_within,
     };
 }
 
@@ -94,7 +94,7 @@ pub mod embed {
 pub mod metrics {
     pub use abf_metrics::{
         FaceDistortion, Orientation, certify, certify_asking, certify_connected, certify_connected_asking,
-        certify_stored, charts, measure, measure_certified, per_face,
+        certify_stored, certify_stored_asking, charts, measure, measure_certified, per_face,
     };
 }
 

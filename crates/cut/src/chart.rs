@@ -1,6 +1,7 @@
 //! Cutting along seams.
 
 use crate::Seams;
+use abf_control::{Cancelled, Checkpoint, at_block};
 use abf_mesh::{CornerId, DisjointSets, FaceId, Point3, Topology, TopologyError, TriMesh, VertexId};
 
 /// A connected piece of a mesh, with the way back to it.
@@ -24,13 +25,29 @@ pub struct Chart {
 /// # Errors
 /// [`TopologyError`] never, for a topology of this mesh; it is checked again.
 pub fn split(mesh: &TriMesh, topology: &Topology, seams: &Seams) -> Result<Vec<Chart>, TopologyError> {
+    split_asking(mesh, topology, seams, &mut || Ok(())).expect("nobody ends it")
+}
+
+/// [`split`] that asks between its parts and blocks whether to go on.
+///
+/// # Errors
+/// [`Cancelled`]; inside of what comes out otherwise, as for `split`.
+pub fn split_asking(
+    mesh: &TriMesh,
+    topology: &Topology,
+    seams: &Seams,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Result<Vec<Chart>, TopologyError>, Cancelled> {
+    checkpoint()?;
     let (chart_of_face, count) = pieces(topology, seams);
+    checkpoint()?;
     let mut faces: Vec<Vec<FaceId>> = vec![Vec::new(); count];
     topology.faces().for_each(|f| faces[chart_of_face[f.index()]].push(f));
     let mut positions: Vec<Vec<Point3<f64>>> = vec![Vec::new(); count];
     let mut vertices: Vec<Vec<VertexId>> = vec![Vec::new(); count];
     let mut local = vec![0_usize; topology.corner_count()];
     for v in topology.vertices() {
+        at_block(v.index(), checkpoint)?;
         for sector in sectors(topology, seams, v) {
             let chart = chart_of_face[sector[0].face().index()];
             sector.iter().for_each(|c| local[c.index()] = vertices[chart].len());
@@ -38,14 +55,16 @@ pub fn split(mesh: &TriMesh, topology: &Topology, seams: &Seams) -> Result<Vec<C
             positions[chart].push(mesh.positions()[v.index()]);
         }
     }
-    let parts = faces.into_iter().zip(positions).zip(vertices);
-    let chart = |((faces, positions), vertices): ((Vec<FaceId>, _), _)| {
+    let mut charts = Vec::with_capacity(count);
+    for ((faces, positions), vertices) in faces.into_iter().zip(positions).zip(vertices) {
         let corners: Vec<[usize; 3]> = faces.iter().map(|f| f.corners().map(|c| local[c.index()])).collect();
         let mesh = TriMesh::new(positions, &corners).expect("corners name the vertices made for them");
-        let topology = Topology::build(mesh.vertex_count(), mesh.faces())?;
-        Ok(Chart { mesh, topology, faces, vertices })
-    };
-    parts.map(chart).collect()
+        match Topology::build_asking(mesh.vertex_count(), mesh.faces(), checkpoint)? {
+            Ok(topology) => charts.push(Chart { mesh, topology, faces, vertices }),
+            Err(error) => return Ok(Err(error)),
+        }
+    }
+    Ok(Ok(charts))
 }
 
 /// The piece of every face, numbered by their lowest faces, and how many there are.

@@ -40,14 +40,14 @@ mod test_support;
 mod weld;
 
 pub use borders::{label_borders, uv_borders};
-pub use chart::{Chart, split};
+pub use chart::{Chart, split, split_asking};
 pub use costs::{CostSettings, EdgeCosts};
 pub use extend::{distances, extend};
 pub use holes::{Filled, HoleFilling, fill, loop_length, outer_loop};
 pub use nets::{HardSurface, PlanarFacets, hard_surface, hard_surface_asking, planar_facets};
 pub use open::open;
 pub use part::{two_parts, two_parts_asking};
-pub use repair::{DoubleSided, Found, RepairError, RepairReport, Repaired, repair, repair_with};
+pub use repair::{DoubleSided, Found, RepairError, RepairReport, Repaired, repair, repair_asking, repair_with};
 pub use seams::Seams;
 pub use simplify::{Simplified, simplify, simplify_asking};
-pub use weld::{Weld, Welded, weld, weld_within};
+pub use weld::{Weld, Welded, weld, weld_asking, weld_within};

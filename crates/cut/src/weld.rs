@@ -5,6 +5,7 @@
 
 use crate::repair::Found;
 use abf_control::SettingError;
+use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::{DisjointSets, Point3, Topology, TriMesh, VertexId};
 use std::collections::HashMap;
 use std::fmt;
@@ -64,18 +65,35 @@ pub fn weld(mesh: &TriMesh, rule: Weld) -> Option<Welded> {
 /// The same within objects: vertices of faces with different labels are not joined. There is a label for every face.
 #[must_use]
 pub fn weld_within(mesh: &TriMesh, rule: Weld, objects: Option<&[u32]>) -> Option<Welded> {
+    weld_asking(mesh, rule, objects, &mut || Ok(())).expect("nobody ends it")
+}
+
+/// [`weld_within`] that asks between its parts whether to go on.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn weld_asking(
+    mesh: &TriMesh,
+    rule: Weld,
+    objects: Option<&[u32]>,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Option<Welded>, Cancelled> {
     let object = |edge: Edge| objects.map_or(0, |objects| objects[edge.face]);
-    if rule == Weld::Off || (rule == Weld::Auto && is_disk(mesh)) {
-        return None;
+    if rule == Weld::Off || (rule == Weld::Auto && is_disk(mesh, checkpoint)?) {
+        return Ok(None);
     }
-    let edges = boundary_edges(mesh);
+    let edges = boundary_edges(mesh, checkpoint)?;
     if edges.len() < 2 {
-        return None;
+        return Ok(None);
     }
-    let places = Places::find(mesh, &edges, &tolerances(mesh, rule));
+    let tolerances = tolerances(mesh, rule);
+    checkpoint()?;
+    let places = Places::find(mesh, &edges, &tolerances);
+    checkpoint()?;
     let mut joined = DisjointSets::new(mesh.vertex_count());
     let mut by_place: Vec<([usize; 2], Edge)> = edges.iter().map(|&edge| places.along(edge)).collect();
     by_place.sort_by_key(|&(ends, edge)| (ends, object(edge), edge.face));
+    checkpoint()?;
     let tip_place = |edge: Edge| mesh.positions()[edge.tip.index()];
     for group in by_place.chunk_by(|a, b| a.0 == b.0 && object(a.1) == object(b.1)) {
         // The two sides of a card meet all around, and stay two.
@@ -90,16 +108,18 @@ pub fn weld_within(mesh: &TriMesh, rule: Weld, objects: Option<&[u32]>) -> Optio
         }
     }
     let lowest: Vec<usize> = (0..mesh.vertex_count()).map(|v| joined.find(v)).collect();
+    checkpoint()?;
     let found = Found::of((0..lowest.len()).filter(|&v| lowest[v] != v));
-    (found.count > 0).then(|| {
+    Ok((found.count > 0).then(|| {
         let faces: Vec<[usize; 3]> = mesh.faces().iter().map(|face| face.map(|v| lowest[v.index()])).collect();
         let mesh = TriMesh::new(mesh.positions().to_vec(), &faces).expect("vertices of the mesh");
         Welded { mesh, joined: found }
-    })
+    }))
 }
 
-fn is_disk(mesh: &TriMesh) -> bool {
-    Topology::build(mesh.vertex_count(), mesh.faces()).is_ok_and(|topology| topology.require_disk().is_ok())
+fn is_disk(mesh: &TriMesh, checkpoint: &mut Checkpoint<'_>) -> Result<bool, Cancelled> {
+    let topology = Topology::build_asking(mesh.vertex_count(), mesh.faces(), checkpoint)?;
+    Ok(topology.is_ok_and(|topology| topology.require_disk().is_ok()))
 }
 
 /// An edge of one face.
@@ -111,14 +131,19 @@ struct Edge {
     face: usize,
 }
 
-fn boundary_edges(mesh: &TriMesh) -> Vec<Edge> {
+fn boundary_edges(mesh: &TriMesh, checkpoint: &mut Checkpoint<'_>) -> Result<Vec<Edge>, Cancelled> {
     let of_face = |(face, &[a, b, c]): (usize, &[VertexId; 3])| {
         [(a, b, c), (b, c, a), (c, a, b)].map(|(from, to, tip)| Edge { ends: [from, to], tip, face })
     };
-    let mut all: Vec<Edge> = mesh.faces().iter().enumerate().flat_map(of_face).collect();
+    let all: Vec<Edge> = mesh.faces().iter().enumerate().flat_map(of_face).collect();
     let key = |edge: &Edge| [edge.ends[0].min(edge.ends[1]), edge.ends[0].max(edge.ends[1])];
-    all.sort_by_key(|edge| (key(edge), edge.face));
-    all.chunk_by(|a, b| key(a) == key(b)).filter(|same| same.len() == 1).map(|same| same[0]).collect()
+    // Numbers are sorted faster than edges. An edge and its number are found in one order.
+    let mut order: Vec<([VertexId; 2], u32)> = all.iter().zip(0..).map(|(edge, i)| (key(edge), i)).collect();
+    checkpoint()?;
+    order.sort_unstable();
+    checkpoint()?;
+    let single = order.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
+    Ok(single.map(|same| all[same[0].1 as usize]).collect())
 }
 
 /// For every vertex how far one that is meant to be the same may be.
@@ -232,8 +257,54 @@ impl FromStr for Weld {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::repair;
     use crate::test_support::{mesh, octahedron, sheet, tetrahedron, torus};
+    use crate::{DoubleSided, RepairError, Seams, repair, repair_asking, split_asking};
+
+    /// Ends work at each of its questions: it ends at once, and asks nothing more.
+    fn ends_at_every_question(work: impl Fn(&mut Checkpoint<'_>) -> Result<(), Cancelled>) {
+        let mut all = 0;
+        work(&mut || {
+            all += 1;
+            Ok(())
+        })
+        .expect("nobody ends it");
+        assert!(all > 3, "{all} questions");
+        for question in 1..=all {
+            let mut asked = 0;
+            let end = work(&mut || {
+                asked += 1;
+                if asked == question { Err(Cancelled) } else { Ok(()) }
+            });
+            assert_eq!((end, asked), (Err(Cancelled), question));
+        }
+    }
+
+    #[test]
+    fn welding_repair_and_splitting_end_at_every_question() {
+        let soup = soup(&torus(6, 8));
+        ends_at_every_question(|checkpoint| weld_asking(&soup, Weld::Auto, None, checkpoint).map(drop));
+        let joined = weld(&soup, Weld::Auto).expect("vertices in one place").mesh;
+        let [mut faces, doubled] =
+            [0, 1].map(|_| joined.faces().iter().map(|f| f.map(VertexId::index)).collect::<Vec<_>>());
+        // A sheet upon it, and one face the wrong way around.
+        faces.extend(doubled);
+        faces[3].swap(0, 1);
+        let broken = TriMesh::new(joined.positions().to_vec(), &faces).expect("indices in range");
+        ends_at_every_question(|checkpoint| match repair_asking(&broken, DoubleSided::Own, checkpoint) {
+            Ok(repaired) => {
+                assert_eq!(repaired.faces.len(), broken.face_count());
+                Ok(())
+            }
+            Err(RepairError::Cancelled(cancelled)) => Err(cancelled),
+            Err(error) => panic!("{error}"),
+        });
+        let topology = Topology::build(joined.vertex_count(), joined.faces()).expect("a torus");
+        let seams = Seams::none(&topology);
+        ends_at_every_question(|checkpoint| {
+            split_asking(&joined, &topology, &seams, checkpoint)
+                .map(|charts| assert_eq!(charts.expect("a chart").len(), 1))
+        });
+    }
 
     /// The same triangles with vertices of their own.
     fn soup(input: &TriMesh) -> TriMesh {

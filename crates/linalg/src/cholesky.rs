@@ -145,7 +145,7 @@ impl<T: Scalar> Cholesky<T> {
         self.solve_asking(matrix, rhs, refinement, &mut || Ok(()))
     }
 
-    /// [`Cholesky::solve`] that asks before every refinement whether to go on.
+    /// [`Cholesky::solve`] that asks around every refinement whether to go on.
     ///
     /// # Errors
     /// As `solve`, and [`LinearError::Cancelled`].

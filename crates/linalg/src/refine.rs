@@ -46,12 +46,14 @@ pub(crate) fn solve_refined<T: Scalar>(
         return Ok(LinearStats::default());
     }
     apply_inverse(rhs)?;
+    checkpoint()?;
     let mut correction = vec![T::ZERO; b.len()];
     residual(rhs, &b, &mut correction);
     let mut stats = LinearStats { iterations: 0, relative_residual: norm(&correction) / scale };
     while stats.relative_residual > refinement.tolerance && stats.iterations < refinement.max_steps {
         checkpoint()?;
         apply_inverse(&mut correction)?;
+        checkpoint()?;
         let refined: Vec<T> = rhs.iter().zip(&correction).map(|(&x, &d)| x + d).collect();
         residual(&refined, &b, &mut correction);
         let relative_residual = norm(&correction) / scale;

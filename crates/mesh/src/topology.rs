@@ -6,7 +6,8 @@ mod error;
 pub use error::{BrokenLaw, TopologyError};
 
 use crate::{CornerId, FaceId, VertexId};
-use build::{find_fans, pair_edges, reject_repeated_vertices};
+use abf_control::{Cancelled, Checkpoint};
+use build::{End, find_fans, pair_edges, reject_repeated_vertices};
 
 /// Marks "no corner" in the packed tables.
 const NONE: u32 = u32::MAX;
@@ -37,14 +38,38 @@ impl Topology {
     /// # Panics
     /// If a face names a vertex `>= vertex_count`; a [`crate::TriMesh`] cannot hold such a face.
     pub fn build(vertex_count: usize, faces: &[[VertexId; 3]]) -> Result<Self, TopologyError> {
+        Self::build_asking(vertex_count, faces, &mut || Ok(())).expect("nobody ends it")
+    }
+
+    /// [`Topology::build`] that asks between its parts and blocks whether to go on.
+    ///
+    /// # Errors
+    /// [`Cancelled`]; inside of what comes out otherwise, as for `build`.
+    ///
+    /// # Panics
+    /// As `build`.
+    pub fn build_asking(
+        vertex_count: usize,
+        faces: &[[VertexId; 3]],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Result<Self, TopologyError>, Cancelled> {
+        match Self::built(vertex_count, faces, checkpoint) {
+            Ok(topology) => Ok(Ok(topology)),
+            Err(End::Refused(error)) => Ok(Err(error)),
+            Err(End::Cancelled(cancelled)) => Err(cancelled),
+        }
+    }
+
+    fn built(vertex_count: usize, faces: &[[VertexId; 3]], checkpoint: &mut Checkpoint<'_>) -> Result<Self, End> {
         if faces.is_empty() {
-            return Err(TopologyError::Empty);
+            return Err(TopologyError::Empty.into());
         }
         if faces.len() > (NONE as usize - 1) / 3 {
-            return Err(TopologyError::TooLarge { faces: faces.len() });
+            return Err(TopologyError::TooLarge { faces: faces.len() }.into());
         }
         reject_repeated_vertices(faces)?;
-        let opposite = pair_edges(vertex_count, faces)?;
+        let opposite = pair_edges(vertex_count, faces, checkpoint)?;
+        checkpoint()?;
         let corner_vertex = faces.as_flattened().to_vec();
         let (fan_start, interior) = find_fans(vertex_count, faces, &opposite)?;
         let interior_count = interior.iter().filter(|&&i| i).count();

@@ -3,14 +3,14 @@
 use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::{CornerId, FaceId, Topology, TriMesh, UvId, UvMap, VertexId};
 use abf_parallel::prelude::*;
-#[cfg(feature = "serde")]
-use serde::Serializer;
 use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use crate::face::{Orientation, Survey};
 use crate::interval::Interval;
 use crate::overlap::Overlaps;
+#[cfg(feature = "serde")]
+use crate::serialise;
 use crate::sheet::{Fan, Sheet};
 use crate::triangle::{cotangents, is_within_rounding};
 use crate::winding::{self, winds_twice};
@@ -29,7 +29,7 @@ const CORNERS_PER_TASK: usize = 1 << 13;
 #[non_exhaustive]
 pub struct Certificate {
     /// What the coordinates were rounded to before.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "as_text"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialise::text"))]
     pub precision: Precision,
     /// How many charts: connected components of the UV points, where a face connects its three.
     pub charts: usize,
@@ -78,20 +78,20 @@ pub struct Certificate {
     #[cfg_attr(feature = "serde", serde(skip))]
     pub spread: f64,
     /// The first flipped faces, at most [`LISTED`](Self::LISTED) of them.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "as_indices"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialise::faces"))]
     pub flipped_faces: Vec<FaceId>,
     /// The first collapsed faces.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "as_indices"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialise::faces"))]
     pub collapsed_faces: Vec<FaceId>,
     /// The first faces within rounding of it.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "as_indices"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialise::faces"))]
     pub near_collapsed_faces: Vec<FaceId>,
     /// The first vertices that are wound around.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "as_vertex_indices"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialise::vertices"))]
     pub wound_vertices: Vec<VertexId>,
     /// Pairs of faces that lie over each other, those of the first overlaps; a pair that overlaps in several places is
     /// there once.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "as_pairs"))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialise::pairs"))]
     pub overlapping_faces: Vec<[FaceId; 2]>,
 }
 
@@ -147,8 +147,7 @@ pub fn certify_asking(
     checkpoint: &mut Checkpoint<'_>,
 ) -> Result<Certificate, MetricsError> {
     let uv = rounded(uv, precision);
-    checkpoint()?;
-    Ok(of_survey(&Survey::new(mesh, &uv)?, None, precision, checkpoint)?)
+    certify_stored_asking(mesh, &uv, precision, checkpoint)
 }
 
 /// The same for UVs that are what the format stores already, and need not be numbers of this precision: glTF stores `1 − v`.
@@ -156,7 +155,21 @@ pub fn certify_asking(
 /// # Errors
 /// As for [`certify`].
 pub fn certify_stored(mesh: &TriMesh, uv: &UvMap, precision: Precision) -> Result<Certificate, MetricsError> {
-    Ok(of_survey(&Survey::new(mesh, uv)?, None, precision, &mut || Ok(()))?)
+    certify_stored_asking(mesh, uv, precision, &mut || Ok(()))
+}
+
+/// [`certify_stored`] that asks between its parts whether to go on.
+///
+/// # Errors
+/// As for `certify`, and [`MetricsError::Cancelled`].
+pub fn certify_stored_asking(
+    mesh: &TriMesh,
+    uv: &UvMap,
+    precision: Precision,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Certificate, MetricsError> {
+    checkpoint()?;
+    Ok(of_survey(&Survey::new(mesh, uv)?, None, precision, checkpoint)?)
 }
 
 /// The same certificate in less time, for a connected manifold whose corner table is at hand. A map that has not one
@@ -369,24 +382,4 @@ fn angle_of(cotangent: f64) -> f64 {
         f64::NEG_INFINITY => std::f64::consts::PI,
         cotangent => 1.0_f64.atan2(cotangent),
     }
-}
-
-#[cfg(feature = "serde")]
-fn as_text<S: Serializer>(value: &impl std::fmt::Display, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_str(value)
-}
-
-#[cfg(feature = "serde")]
-fn as_indices<S: Serializer>(faces: &[FaceId], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(faces.iter().map(|face| face.index()))
-}
-
-#[cfg(feature = "serde")]
-fn as_vertex_indices<S: Serializer>(vertices: &[VertexId], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(vertices.iter().map(|vertex| vertex.index()))
-}
-
-#[cfg(feature = "serde")]
-fn as_pairs<S: Serializer>(pairs: &[[FaceId; 2]], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(pairs.iter().map(|pair| pair.map(FaceId::index)))
 }

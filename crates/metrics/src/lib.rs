@@ -34,12 +34,15 @@ mod interval;
 mod measure;
 mod overlap;
 mod precision;
+#[cfg(feature = "serde")]
+mod serialise;
 mod sheet;
 mod triangle;
 mod winding;
 
 pub use certificate::{
     Certificate, certify, certify_asking, certify_connected, certify_connected_asking, certify_stored,
+    certify_stored_asking,
 };
 pub use charts::charts;
 pub use error::MetricsError;

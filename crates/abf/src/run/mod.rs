@@ -82,7 +82,7 @@ impl Pipeline {
             return flat;
         }
         let bounded = pose(GuessSettings { keep_thin: false, ..self.initial_guess }, angles)?;
-        thin::better(mesh, flat, |own| {
+        thin::better(mesh, flat, observer, |own, observer| {
             // A rung that goes on to the optimum comes to the same one from either start.
             let is_optimal = own.is_some_and(|kind| matches!(kind, SolverKind::Barrier | SolverKind::Descent));
             let solver = match &self.solver {

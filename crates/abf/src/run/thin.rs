@@ -4,7 +4,7 @@
 //! spoil the linearisation, and the bound is what keeps its neighbours in shape.
 
 use crate::{FlattenError, Flattening, SolverKind};
-use abf_control::Termination;
+use abf_control::{Event, Observer, Termination, ask};
 use abf_mesh::TriMesh;
 use abf_metrics::Metrics;
 
@@ -19,23 +19,27 @@ const SAME_STRETCH: f64 = 1e-6;
 pub(crate) fn better(
     mesh: &TriMesh,
     own: Result<Flattening, FlattenError>,
-    bounded: impl FnOnce(Option<SolverKind>) -> Result<Flattening, FlattenError>,
+    observer: &mut dyn Observer,
+    bounded: impl FnOnce(Option<SolverKind>, &mut dyn Observer) -> Result<Flattening, FlattenError>,
 ) -> Result<Flattening, FlattenError> {
     let own = match own {
         Ok(own) => own,
         Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
-        Err(error) => return bounded(None).map_err(|_| error),
+        Err(error) => return bounded(None, observer).map_err(|_| error),
     };
+    ask(observer, Event::Working)?;
     let Ok(with_own) = own.metrics(mesh) else { return Ok(own) };
+    ask(observer, Event::Working)?;
     let is_exact = own.is_certified() && with_own.stretch_l2 <= 1.0 + ISOMETRIC;
     if is_exact || own.termination == Termination::Cancelled {
         return Ok(own);
     }
-    let bounded = match bounded(Some(own.solver)) {
+    let bounded = match bounded(Some(own.solver), observer) {
         Ok(bounded) => bounded,
         Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
         Err(_) => return Ok(own),
     };
+    ask(observer, Event::Working)?;
     let Ok(with_bound) = bounded.metrics(mesh) else { return Ok(own) };
     let is_better = is_better(&(&bounded, &with_bound), &(&own, &with_own));
     Ok(if is_better { bounded } else { own })

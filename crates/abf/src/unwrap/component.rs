@@ -6,7 +6,7 @@ use super::{SeamRule, Unwrap};
 use crate::{FlattenError, Pipeline, ZeroArea};
 use abf_constraints::ProblemError;
 use abf_control::{Cancelled, Event, Termination, TimeBudget, ask};
-use abf_cut::{Chart, CostSettings, EdgeCosts, Seams, hard_surface_asking, split, two_parts_asking};
+use abf_cut::{Chart, CostSettings, EdgeCosts, Seams, hard_surface_asking, split, split_asking, two_parts_asking};
 use abf_embed::EmbedError;
 use abf_mesh::{CornerId, FaceId, Topology, TriMesh};
 use abf_metrics::MetricsError;
@@ -73,7 +73,7 @@ impl<'o> Component<'_, 'o> {
         };
         self.go_on()?;
         match hard {
-            Some(hard) => Ok(split(mesh, topology, &hard.seams)?),
+            Some(hard) => Ok(split_asking(mesh, topology, &hard.seams, &mut || self.go_on())??),
             None => Ok(vec![self.whole()]),
         }
     }

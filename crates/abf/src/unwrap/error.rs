@@ -12,7 +12,7 @@ use abf_metrics::MetricsError;
 pub enum UnwrapError {
     /// There is nothing to work with.
     #[error(transparent)]
-    Repair(#[from] RepairError),
+    Repair(RepairError),
     /// A strict run met a mesh that needs repair.
     #[error("the mesh is not clean, and a strict run repairs nothing: {}", .found.join(", "))]
     NotClean {
@@ -46,6 +46,15 @@ pub enum UnwrapError {
     /// The cut surface is not what it should be.
     #[error(transparent)]
     Flatten(#[from] FlattenError),
+}
+
+impl From<RepairError> for UnwrapError {
+    fn from(error: RepairError) -> Self {
+        match error {
+            RepairError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            error => Self::Repair(error),
+        }
+    }
 }
 
 impl UnwrapError {

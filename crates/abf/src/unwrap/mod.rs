@@ -18,8 +18,8 @@ mod unfinished;
 use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolveReport, SolverKind, ZeroArea};
 use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, ask};
 use abf_cut::{
-    Chart, CostSettings, DoubleSided, RepairReport, Seams, Weld, label_borders, repair_with, split, uv_borders,
-    weld_within,
+    Chart, CostSettings, DoubleSided, RepairReport, Seams, Weld, label_borders, repair_asking, split_asking,
+    uv_borders, weld_asking,
 };
 use abf_mesh::{CornerId, FaceId, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::Metrics;
@@ -199,9 +199,10 @@ impl Unwrap {
         let in_range = mesh.in_range();
         let (working, scale) = in_range.as_ref().map_or((mesh, 1.0), |(scaled, scale)| (scaled, *scale));
         ask(observer, Event::Working)?;
-        let welded = weld_within(working, self.weld.scaled(scale), hints.objects);
-        ask(observer, Event::Working)?;
-        let mut repaired = repair_with(welded.as_ref().map_or(working, |welded| &welded.mesh), self.double_sided)?;
+        let mut checkpoint = || ask(observer, Event::Working);
+        let welded = weld_asking(working, self.weld.scaled(scale), hints.objects, &mut checkpoint)?;
+        let joined = welded.as_ref().map_or(working, |welded| &welded.mesh);
+        let mut repaired = repair_asking(joined, self.double_sided, &mut checkpoint)?;
         repaired.report.joined_vertices = welded.as_ref().map(|welded| welded.joined).unwrap_or_default();
         ask(observer, Event::Working)?;
         if self.strict {
@@ -213,8 +214,9 @@ impl Unwrap {
         let budget = TimeBudget::start(&self.pipeline.stop);
         let kept = self.kept_seams(&repaired, working, hints);
         ask(observer, Event::Working)?;
-        let parts = split(&repaired.mesh, &repaired.topology, &kept).map_err(FlattenError::from)?;
-        ask(observer, Event::Working)?;
+        let checkpoint = &mut || ask(observer, Event::Working);
+        let parts = split_asking(&repaired.mesh, &repaired.topology, &kept, checkpoint)?.map_err(FlattenError::from)?;
+        checkpoint()?;
         let relay = Relay::new(observer, parts.len(), repaired.mesh.face_count());
         let stays_whole = parts.len() == 1 && !self.cut_disks;
         let finish = |(number, part): (usize, &Chart)| -> Result<Vec<Finished>, UnwrapError> {

@@ -1,7 +1,7 @@
 //! Faces with the same three vertices, given vertices of their own.
 
-use super::{Found, RepairError, Repaired, repair};
-use abf_control::UnknownName;
+use super::{Found, RepairError, Repaired, repaired};
+use abf_control::{Cancelled, Checkpoint, UnknownName};
 use abf_mesh::{FaceId, TriMesh, VertexId};
 use std::collections::HashMap;
 
@@ -45,18 +45,31 @@ fn unknown(given: &str) -> UnknownName {
     UnknownName::of::<DoubleSided>("rule for double faces", given)
 }
 
-/// [`repair`] with a choice of what becomes of faces with the same three vertices. [`DoubleSided::Shared`] is what it does
+/// [`repair`](super::repair) with a choice of what becomes of faces with the same three vertices. [`DoubleSided::Shared`] is what it does
 /// itself.
 ///
 /// # Errors
-/// As [`repair`].
+/// As [`repair`](super::repair).
 pub fn repair_with(mesh: &TriMesh, double_sided: DoubleSided) -> Result<Repaired, RepairError> {
+    repair_asking(mesh, double_sided, &mut || Ok(()))
+}
+
+/// [`repair_with`] that asks between its parts and blocks whether to go on.
+///
+/// # Errors
+/// As [`repair`](super::repair), and [`RepairError::Cancelled`].
+pub fn repair_asking(
+    mesh: &TriMesh,
+    double_sided: DoubleSided,
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Repaired, RepairError> {
     let layered = match double_sided {
-        DoubleSided::Own => in_layers(mesh),
+        DoubleSided::Own => in_layers(mesh, checkpoint)?,
         DoubleSided::Shared => None,
     };
-    let Some(Layered { mesh: layered, original, doubles }) = layered else { return repair(mesh) };
-    let mut repaired = repair(&layered)?;
+    let Some(Layered { mesh: layered, original, doubles }) = layered else { return repaired(mesh, checkpoint) };
+    checkpoint()?;
+    let mut repaired = repaired(&layered, checkpoint)?;
     for vertex in &mut repaired.vertices {
         *vertex = original[vertex.index()];
     }
@@ -79,11 +92,11 @@ struct Layered {
 
 /// The second faces of the same vertices, with copies of their vertices that they share with each other; then the third.
 /// `None` where there are none.
-fn in_layers(mesh: &TriMesh) -> Option<Layered> {
+fn in_layers(mesh: &TriMesh, checkpoint: &mut Checkpoint<'_>) -> Result<Option<Layered>, Cancelled> {
     let all = mesh.faces();
-    let layer_of = layers(all);
+    let layer_of = layers(all, checkpoint)?;
     if layer_of.iter().all(|&layer| layer == 0) {
-        return None;
+        return Ok(None);
     }
     let mut original: Vec<VertexId> = (0..mesh.vertex_count()).map(VertexId::new).collect();
     let mut copies: HashMap<(VertexId, u32), usize> = HashMap::new();
@@ -100,12 +113,12 @@ fn in_layers(mesh: &TriMesh) -> Option<Layered> {
         all.iter().zip(&layer_of).map(|(face, &layer)| face.map(|v| vertex(v, layer))).collect();
     let positions = original.iter().map(|v| mesh.positions()[v.index()]).collect();
     let doubles = (0..all.len()).filter(|&f| layer_of[f] > 0).map(FaceId::new).collect();
-    let mesh = TriMesh::new(positions, &faces).ok()?;
-    Some(Layered { mesh, original, doubles })
+    let mesh = TriMesh::new(positions, &faces).expect("vertices and copies of them");
+    Ok(Some(Layered { mesh, original, doubles }))
 }
 
 /// For every face how many before it have the same vertices. One that uses a vertex twice is nobody's double.
-fn layers(all: &[[VertexId; 3]]) -> Vec<u32> {
+fn layers(all: &[[VertexId; 3]], checkpoint: &mut Checkpoint<'_>) -> Result<Vec<u32>, Cancelled> {
     let mut keys: Vec<([VertexId; 3], usize)> = all
         .iter()
         .enumerate()
@@ -116,17 +129,20 @@ fn layers(all: &[[VertexId; 3]]) -> Vec<u32> {
             (key, f)
         })
         .collect();
+    checkpoint()?;
     keys.sort_unstable();
+    checkpoint()?;
     let mut layer_of = vec![0; all.len()];
     for same in keys.chunk_by(|a, b| a.0 == b.0) {
         same.iter().zip(0..).for_each(|(&(_, f), layer)| layer_of[f] = layer);
     }
-    layer_of
+    Ok(layer_of)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::repair;
     use crate::test_support::{mesh, sheet};
 
     /// A sheet with its back: the same faces the other way around.

@@ -14,8 +14,9 @@ mod orient;
 mod pairs;
 mod report;
 
+use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::{CornerId, DisjointSets, FaceId, GeometryError, Topology, TopologyError, TriMesh, VertexId};
-pub use layers::{DoubleSided, repair_with};
+pub use layers::{DoubleSided, repair_asking, repair_with};
 use pairs::Pairs;
 pub use report::{Found, RepairReport};
 
@@ -58,6 +59,9 @@ pub enum RepairError {
     /// Too many faces for 32-bit corners.
     #[error(transparent)]
     Topology(#[from] TopologyError),
+    /// The observer aborted it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 impl Repaired {
@@ -86,8 +90,13 @@ impl Repaired {
 /// # Errors
 /// [`RepairError`] when no face is left, or coordinates are not finite.
 pub fn repair(mesh: &TriMesh) -> Result<Repaired, RepairError> {
+    repaired(mesh, &mut || Ok(()))
+}
+
+fn repaired(mesh: &TriMesh, checkpoint: &mut Checkpoint<'_>) -> Result<Repaired, RepairError> {
     mesh.check_finite()?;
-    if let Ok(topology) = Topology::build(mesh.vertex_count(), mesh.faces()) {
+    checkpoint()?;
+    if let Ok(topology) = Topology::build_asking(mesh.vertex_count(), mesh.faces(), checkpoint)? {
         let faces: Vec<FaceId> = topology.faces().collect();
         let turned = vec![false; faces.len()];
         let mut report = RepairReport::default();
@@ -96,7 +105,7 @@ pub fn repair(mesh: &TriMesh) -> Result<Repaired, RepairError> {
         let vertices = topology.vertices().collect();
         return Ok(Repaired { mesh: mesh.clone(), topology, faces, turned, vertices, duplicates, repeated, report });
     }
-    Repair::begin(mesh)?.run()
+    Repair::begin(mesh, checkpoint)?.run(checkpoint)
 }
 
 /// A repair under way.
@@ -111,7 +120,7 @@ struct Repair<'m> {
 }
 
 impl<'m> Repair<'m> {
-    fn begin(input: &'m TriMesh) -> Result<Self, RepairError> {
+    fn begin(input: &'m TriMesh, checkpoint: &mut Checkpoint<'_>) -> Result<Self, RepairError> {
         let all = input.faces();
         if all.len() > (u32::MAX as usize - 1) / 3 {
             return Err(TopologyError::TooLarge { faces: all.len() }.into());
@@ -121,6 +130,7 @@ impl<'m> Repair<'m> {
             a != b && b != c && c != a
         });
         let duplicates = duplicates(all, &faces);
+        checkpoint()?;
         let mut is_dropped = vec![false; all.len()];
         duplicates.iter().for_each(|(f, _)| is_dropped[f.index()] = true);
         faces.retain(|f| !is_dropped[f.index()]);
@@ -137,13 +147,17 @@ impl<'m> Repair<'m> {
         Ok(Self { input, faces, corners, duplicates, repeated, report })
     }
 
-    fn run(mut self) -> Result<Repaired, RepairError> {
+    fn run(mut self, checkpoint: &mut Checkpoint<'_>) -> Result<Repaired, RepairError> {
+        checkpoint()?;
         let mut pairs = Pairs::of_edges(&self.corners);
+        checkpoint()?;
         let face_at = |c: CornerId| self.faces[c.face().index()].index();
         self.report.non_manifold_edges = Found::of(pairs.crowded.iter().map(|edge| face_at(edge.corners[0])));
         pairs.join_crowded(self.input, &self.corners);
+        checkpoint()?;
         let turned = self.orient(&mut pairs);
-        let (corners, vertices) = self.separate(&mut pairs);
+        checkpoint()?;
+        let (corners, vertices) = self.separate(&mut pairs, checkpoint)?;
         let around = |(face, turned): (&[VertexId; 3], &bool)| {
             let [a, b, c] = face.map(VertexId::index);
             if *turned { [a, c, b] } else { [a, b, c] }
@@ -151,7 +165,7 @@ impl<'m> Repair<'m> {
         let faces: Vec<[usize; 3]> = corners.iter().zip(&turned).map(around).collect();
         let positions = vertices.iter().map(|v| self.input.positions()[v.index()]).collect();
         let mesh = TriMesh::new(positions, &faces)?;
-        let topology = Topology::build(mesh.vertex_count(), mesh.faces())?;
+        let topology = Topology::build_asking(mesh.vertex_count(), mesh.faces(), checkpoint)??;
         let Self { faces, duplicates, repeated, report, .. } = self;
         Ok(Repaired { mesh, topology, faces, turned, vertices, duplicates, repeated, report })
     }
@@ -167,8 +181,13 @@ impl<'m> Repair<'m> {
     }
 
     /// A vertex for each fan: for every face its vertices, and for every vertex the one it was.
-    fn separate(&mut self, pairs: &mut Pairs) -> (Vec<[VertexId; 3]>, Vec<VertexId>) {
+    fn separate(
+        &mut self,
+        pairs: &mut Pairs,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(Vec<[VertexId; 3]>, Vec<VertexId>), Cancelled> {
         loop {
+            checkpoint()?;
             let (corners, vertices) = fans(self.input.vertex_count(), &self.corners, pairs);
             if !pairs.let_go_of_conflicts(&self.corners, &corners) {
                 let copies = &vertices[self.input.vertex_count()..];
@@ -176,7 +195,7 @@ impl<'m> Repair<'m> {
                 split.sort_unstable();
                 split.dedup();
                 self.report.split_vertices = Found::of(split.iter().map(|v| v.index()));
-                return (corners, vertices);
+                return Ok((corners, vertices));
             }
         }
     }

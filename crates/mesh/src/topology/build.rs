@@ -4,9 +4,28 @@ use abf_parallel::prelude::*;
 
 use super::{NONE, TopologyError};
 use crate::{CornerId, FaceId, VertexId};
+use abf_control::{Cancelled, Checkpoint, at_block};
 
 /// Fewer vertices are not worth a thread.
 const VERTICES_PER_TASK: usize = 1 << 13;
+
+/// Why there is no corner table.
+pub(super) enum End {
+    Cancelled(Cancelled),
+    Refused(TopologyError),
+}
+
+impl From<Cancelled> for End {
+    fn from(cancelled: Cancelled) -> Self {
+        Self::Cancelled(cancelled)
+    }
+}
+
+impl From<TopologyError> for End {
+    fn from(error: TopologyError) -> Self {
+        Self::Refused(error)
+    }
+}
 
 /// Refuses faces that name a vertex twice.
 pub(super) fn reject_repeated_vertices(faces: &[[VertexId; 3]]) -> Result<(), TopologyError> {
@@ -30,7 +49,11 @@ fn half_edge(upper: VertexId, corner: usize) -> u64 {
 }
 
 /// The opposite of every corner: half-edges are bucketed by their lower vertex and matched inside.
-pub(super) fn pair_edges(vertex_count: usize, faces: &[[VertexId; 3]]) -> Result<Vec<u32>, TopologyError> {
+pub(super) fn pair_edges(
+    vertex_count: usize,
+    faces: &[[VertexId; 3]],
+    checkpoint: &mut Checkpoint<'_>,
+) -> Result<Vec<u32>, End> {
     let corner_vertex = faces.as_flattened();
     // Every corner k faces the edge between the other two: from its next to its previous.
     let edges = |&[a, b, c]: &[VertexId; 3]| [(b, c), (c, a), (a, b)];
@@ -43,6 +66,7 @@ pub(super) fn pair_edges(vertex_count: usize, faces: &[[VertexId; 3]]) -> Result
     for v in 0..vertex_count {
         bucket_end[v + 1] += bucket_end[v];
     }
+    checkpoint()?;
     let mut half_edges = vec![0_u64; corner_vertex.len()];
     for (corner, (from, to)) in faces.iter().flat_map(edges).enumerate() {
         let slot = &mut bucket_end[from.min(to).index()];
@@ -56,6 +80,7 @@ pub(super) fn pair_edges(vertex_count: usize, faces: &[[VertexId; 3]]) -> Result
     let mut against: Vec<(CornerId, CornerId)> = Vec::new();
     let mut start = 0;
     for (v, &end) in bucket_end[..vertex_count].iter().enumerate() {
+        at_block(v, checkpoint)?;
         let v = VertexId::new(v);
         let runs_upwards = |corner: CornerId| corner_vertex[corner.next().index()] == v;
         let bucket = &mut half_edges[start..end as usize];
@@ -82,10 +107,10 @@ pub(super) fn pair_edges(vertex_count: usize, faces: &[[VertexId; 3]]) -> Result
         }
     }
     if let Some((a, b, faces)) = crowded {
-        return Err(TopologyError::NonManifoldEdge { a, b, faces, count: crowded_count });
+        return Err(TopologyError::NonManifoldEdge { a, b, faces, count: crowded_count }.into());
     }
     if let Some(&(c, d)) = against.first() {
-        return Err(orientation_error(corner_vertex, &opposite, (c, d), against.len()));
+        return Err(orientation_error(corner_vertex, &opposite, (c, d), against.len()).into());
     }
     Ok(opposite)
 }
