@@ -1,10 +1,9 @@
 //! UVs that a mesh has, judged as a run of [`Unwrap`](crate::Unwrap) judges what it makes.
 
-use crate::atlas::{Parts, as_repaired, in_input};
-use abf_cut::{RepairError, Repaired, Weld};
-use abf_mesh::{FaceId, Point2, TriMesh, UvMap, VertexId};
+use crate::atlas::{Parts, as_repaired, in_input, sharing};
+use abf_cut::{RepairError, Weld};
+use abf_mesh::{FaceId, TriMesh, UvMap};
 use abf_metrics::{Metrics, MetricsError, Precision, certify_stored, measure_certified};
-use std::collections::HashMap;
 
 /// What is known of the UVs of a mesh that may need repair.
 #[derive(Clone, Debug)]
@@ -73,26 +72,6 @@ pub fn judge(mesh: &TriMesh, uv: &UvMap, settings: &JudgeSettings<'_>) -> Result
     Ok(Judgement { metrics, turned: turned.len(), shared, dropped })
 }
 
-/// For every face of the mesh whether an earlier one has its vertices and its UVs.
-fn sharing(joined: &TriMesh, uv: &UvMap, repaired: &Repaired) -> Vec<bool> {
-    let mut is_shared = vec![false; joined.face_count()];
-    if repaired.report.double_faces.count == 0 {
-        return is_shared;
-    }
-    type Corner = (VertexId, [u64; 2]);
-    let mut known: HashMap<[Corner; 3], FaceId> = HashMap::new();
-    let mut faces = repaired.faces.clone();
-    faces.sort_unstable();
-    for face in faces {
-        let vertices = joined.faces()[face.index()];
-        let place = |p: Point2<f64>| [p.x, p.y].map(|x| (x + 0.0).to_bits());
-        let mut key = face.corners().map(|c| (vertices[c.place()], place(uv.corner(c))));
-        key.sort_unstable();
-        is_shared[face.index()] = known.insert(key, face).is_some();
-    }
-    is_shared
-}
-
 /// Whether a face without area has its corners in one point, as those of components without area have.
 fn is_in_one_point(mesh: &TriMesh, uv: &UvMap, face: FaceId) -> bool {
     let [a, b, c] = uv.triangle(face);
@@ -106,7 +85,7 @@ mod tests {
     use crate::{Atlas, SurfaceHints, Unwrap};
     use abf_control::Silent;
     use abf_cut::DoubleSided;
-    use abf_mesh::Point3;
+    use abf_mesh::{Point2, Point3};
 
     /// A sheet of 4 × 4 squares in space with its back, one face of the front turned around.
     fn leaf() -> TriMesh {

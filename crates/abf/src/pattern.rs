@@ -2,7 +2,7 @@
 
 use crate::Flattening;
 use crate::atlas::judge::Judge;
-use crate::atlas::{AtlasError, Placement, Stored, outline_of};
+use crate::atlas::{AtlasError, Placement, Stored, outline_of, proved};
 use crate::unwrap::Unwrapped;
 use abf_control::UnknownName;
 use abf_mesh::{CornerId, FaceId, Point2, TriMesh, UvId, UvMap};
@@ -128,7 +128,7 @@ impl Pattern {
             let uv = unwrapped.assemble(|i, p| stored.point(placed(placements[i], p)));
             let judge = Judge::new(mesh, &unwrapped.turned, &uv, stored.precision());
             let certificate = judge.certificate(&every_face)?;
-            let mut spoilt = judge.spoilt(charts, &certificate)?;
+            let mut spoilt = judge.spoilt(proved(charts), &certificate)?;
             spoilt.retain(|&i| !pieces[i].keeps_its_angle);
             if spoilt.is_empty() {
                 let mut chart_of = vec![None; mesh.face_count()];

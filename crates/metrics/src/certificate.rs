@@ -58,6 +58,8 @@ pub struct Certificate {
     /// Connected pieces of the boundary whose leftmost point lies under a part of the map that does not
     /// touch it: a chart inside a triangle of another chart, the rim of a hole over another part.
     pub nested: usize,
+    /// Whether there are more overlaps than were counted: after millions the search ends.
+    pub overlaps_are_least: bool,
     /// Points where the boundary meets itself and nothing is covered twice, and pairs of its edges that cross no deeper than
     /// [`TOUCH_ULPS`](Self::TOUCH_ULPS) units in the last place, of [`precision`](Self::precision), of the largest
     /// coordinate of their chart. These are no overlaps. Where a fold, or a face on another, lies deeper anywhere along the
@@ -109,7 +111,8 @@ impl Certificate {
         self.flips == 0 && self.collapsed == 0 && self.wound == 0
     }
 
-    /// How many overlaps there are: crossings, meetings and nested pieces.
+    /// How many overlaps there are: crossings, meetings and nested pieces; at least so many where
+    /// [`overlaps_are_least`](Self::overlaps_are_least).
     ///
     /// For a valid map this is zero if and only if no point of the plane is covered twice by the inside
     /// of triangles, but for what is within rounding of the boundary at [`touches`](Self::touches).
@@ -277,6 +280,7 @@ pub(crate) fn of_survey(
         crossings: overlaps.crossings,
         meetings: overlaps.meetings,
         nested: overlaps.nested,
+        overlaps_are_least: overlaps.are_least,
         touches: overlaps.touches,
         touch_depth: overlaps.touch_depth / scale,
         constraint_residual: None,

@@ -1,10 +1,23 @@
 //! What is proved of packed charts, and how distorted they are.
 
-use crate::unwrap::UnwrappedChart;
 use abf_cut::{DoubleSided, RepairError, Repaired, Weld, repair_with, weld_within};
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap, VertexId};
 use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify_stored, measure_certified};
 use std::borrow::Cow;
+use std::collections::HashMap;
+
+/// What was proved of a chart before it was packed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Proved {
+    pub(crate) is_valid: bool,
+    pub(crate) is_injective: bool,
+}
+
+impl Proved {
+    pub(crate) fn of(certificate: &Certificate) -> Self {
+        Self { is_valid: certificate.valid(), is_injective: certificate.injective() }
+    }
+}
 
 /// Judges faces of a mesh with its map: exactly, as stored.
 pub(crate) struct Judge<'a> {
@@ -38,13 +51,17 @@ impl<'a> Judge<'a> {
         certify_stored(&part, &map, self.precision)
     }
 
-    /// The charts that were valid or injective, and are so no longer as they are stored. `whole` is what is proved of all.
-    pub(crate) fn spoilt(&self, charts: &[UnwrappedChart], whole: &Certificate) -> Result<Vec<usize>, MetricsError> {
+    /// The charts that were valid or injective, and are so no longer as they are stored. Each has its faces and what it was
+    /// before; `whole` is what is proved of all.
+    pub(crate) fn spoilt<'c>(
+        &self,
+        charts: impl Iterator<Item = (&'c [FaceId], Proved)>,
+        whole: &Certificate,
+    ) -> Result<Vec<usize>, MetricsError> {
         let mut spoilt = Vec::new();
-        for (i, chart) in charts.iter().enumerate().filter(|_| !whole.injective()) {
-            let before = &chart.metrics;
-            let stored = self.certificate_of(&chart.faces)?;
-            if (before.valid() && !stored.valid()) || (before.injective() && !stored.injective()) {
+        for (i, (faces, before)) in charts.enumerate().filter(|_| !whole.injective()) {
+            let stored = self.certificate_of(faces)?;
+            if (before.is_valid && !stored.valid()) || (before.is_injective && !stored.injective()) {
                 spoilt.push(i);
             }
         }
@@ -81,6 +98,26 @@ pub(crate) fn as_repaired<'m>(
     };
     let repaired = repair_with(&joined, DoubleSided::Own)?;
     Ok((joined, repaired))
+}
+
+/// For every face of the mesh whether an earlier one has its vertices and its UVs.
+pub(crate) fn sharing(joined: &TriMesh, uv: &UvMap, repaired: &Repaired) -> Vec<bool> {
+    let mut is_shared = vec![false; joined.face_count()];
+    if repaired.report.double_faces.count == 0 {
+        return is_shared;
+    }
+    type Corner = (VertexId, [u64; 2]);
+    let mut known: HashMap<[Corner; 3], FaceId> = HashMap::new();
+    let mut faces = repaired.faces.clone();
+    faces.sort_unstable();
+    for face in faces {
+        let vertices = joined.faces()[face.index()];
+        let place = |p: Point2<f64>| [p.x, p.y].map(|x| (x + 0.0).to_bits());
+        let mut key = face.corners().map(|c| (vertices[c.place()], place(uv.corner(c))));
+        key.sort_unstable();
+        is_shared[face.index()] = known.insert(key, face).is_some();
+    }
+    is_shared
 }
 
 fn sorted(faces: &[FaceId]) -> Vec<FaceId> {
@@ -140,6 +177,7 @@ fn together(mut one: Certificate, other: Certificate) -> Certificate {
     one.crossings += other.crossings;
     one.meetings += other.meetings;
     one.nested += other.nested;
+    one.overlaps_are_least |= other.overlaps_are_least;
     one.touches += other.touches;
     one.touch_depth = one.touch_depth.max(other.touch_depth);
     one.uv_angle_min = one.uv_angle_min.min(other.uv_angle_min);

@@ -105,7 +105,7 @@ fn fill(settings: &Settings, loaded: &Loaded, record: &mut Record, cancel: &Canc
         return Err(Failure::cancelled(&loaded.name));
     }
     let atlas = begin.elapsed().as_secs_f64();
-    record.quality = Some(Quality::new(&packed.metrics));
+    record.quality = Some(Quality::of_repaired(&packed.metrics, packed.turned, packed.shared));
     record.repacked = Some(Repacked::new(&packed, &settings.repack.atlas));
     if let Some(path) = &settings.output {
         let kept = write(path, loaded, &packed.uv, true)?;

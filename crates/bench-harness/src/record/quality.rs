@@ -29,6 +29,9 @@ pub(crate) struct Quality {
     pub(crate) meetings: usize,
     /// Pieces of the boundary that lie under another part.
     pub(crate) nested: usize,
+    /// Whether there are more of them than were counted.
+    #[serde(default)]
+    pub(crate) overlaps_are_least: bool,
     /// Points where the boundary meets itself without an overlap.
     pub(crate) touches: usize,
     /// Triangles without area on the surface, which are not in the figures.
@@ -114,6 +117,7 @@ impl Quality {
             crossings: proved.crossings,
             meetings: proved.meetings,
             nested: proved.nested,
+            overlaps_are_least: proved.overlaps_are_least,
             touches: proved.touches,
             degenerate_3d: m.degenerate_3d,
             turned: 0,

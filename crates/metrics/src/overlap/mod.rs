@@ -34,6 +34,12 @@ use shallow::Shallow;
 
 /// After so many pairs of segments it is asked whether to go on.
 const PAIRS: usize = 1 << 16;
+/// The search ends after so many crossings and passes, and [`PER_SEGMENT`] for every segment: nobody needs to know them all,
+/// and thousands of charts in one place have billions.
+const ENOUGH: usize = 4_000_000;
+/// Through a spot that nothing lies over at most two segments pass, and segments have at most twice as many spots. So a map
+/// with more passes has an overlap.
+const PER_SEGMENT: usize = 4;
 
 /// Where a map covers the plane more than once.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,8 +55,16 @@ pub(crate) struct Overlaps {
     pub(crate) touches: usize,
     /// How deep the deepest of these crossings is.
     pub(crate) touch_depth: f64,
+    /// Whether there may be more of them: the search ended early.
+    pub(crate) are_least: bool,
     /// Pairs of faces that lie over each other, at the first places found.
     pub(crate) faces: Vec<[FaceId; 2]>,
+}
+
+/// Why not all pairs of segments are looked at.
+enum End {
+    Cancelled(Cancelled),
+    Enough,
 }
 
 /// Where segments pass spots that are not their ends, and the crossings within rounding.
@@ -79,6 +93,9 @@ impl Overlaps {
         checkpoint()?;
         let fans = fans_at_spots(sheet, &outline, fans);
         found.meet(sheet, &outline, (&fans, twice), &passes, listed);
+        if found.are_least {
+            return Ok(found);
+        }
         checkpoint()?;
         found.nest(sheet, &outline, &fans, &mut pieces, listed);
         checkpoint()?;
@@ -102,10 +119,14 @@ impl Overlaps {
         let mut shallow = Vec::new();
         let mut crossed: Vec<[Option<FaceId>; 2]> = Vec::new();
         let mut looked_at = 0_usize;
-        tree.pairs(|i, j| {
+        let enough = ENOUGH + PER_SEGMENT * outline.segments.len();
+        let all = tree.pairs(|i, j| {
             looked_at += 1;
             if looked_at.is_multiple_of(PAIRS) {
-                checkpoint()?;
+                checkpoint().map_err(End::Cancelled)?;
+            }
+            if self.crossings + passes.len() > enough {
+                return Err(End::Enough);
             }
             if !outline.extent(i).meets(&outline.extent(j)) {
                 return Ok(());
@@ -137,7 +158,12 @@ impl Overlaps {
                 }
             }
             Ok(())
-        })?;
+        });
+        match all {
+            Ok(()) => {}
+            Err(End::Enough) => self.are_least = true,
+            Err(End::Cancelled(cancelled)) => return Err(cancelled),
+        }
         crossed.into_iter().for_each(|faces| self.name(faces, listed));
         passes.sort_unstable();
         passes.dedup();

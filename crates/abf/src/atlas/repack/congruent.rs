@@ -75,6 +75,13 @@ impl Shape {
                 place
             })
             .collect();
+        // Faces on others may have points of their own in the places of those.
+        for id in islands.all_corners(island) {
+            number
+                .get(&islands.point(id).map(|x| (x + 0.0).to_bits()))
+                .into_iter()
+                .for_each(|&place| ids[place].push(id));
+        }
         ids.iter_mut().for_each(|same| {
             same.sort_unstable();
             same.dedup();

@@ -1,13 +1,15 @@
 //! The islands of a UV map.
 
 use super::super::AtlasError;
-use super::super::judge::Judge;
+use super::super::judge::{Judge, Proved, sharing};
 use super::super::outline;
 use super::overlapping::overlapping;
 use super::stacked::Stacked;
 use super::xy;
+use abf_cut::Repaired;
 use abf_mesh::{DisjointSets, FaceId, Point2, TriMesh, UvId, UvMap};
 use abf_metrics::{Precision, charts};
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 /// The islands of a map, and which lie over each other.
@@ -17,10 +19,12 @@ pub(super) struct Islands<'a> {
     pub(super) of_face: Vec<usize>,
     /// The faces of every island, ascending.
     pub(super) faces: Vec<Vec<FaceId>>,
-    /// Whether an island is locally injective.
-    pub(super) is_valid: Vec<bool>,
-    /// Whether it lies nowhere over itself, either.
-    is_injective: Vec<bool>,
+    /// Those that are judged: without faces that have the vertices and the UVs of an earlier one.
+    pub(super) judged: Vec<Vec<FaceId>>,
+    /// The faces that repair turned around, ascending, those that are not judged left out.
+    pub(super) turned: Vec<FaceId>,
+    /// What is proved of every island.
+    pub(super) proved: Vec<Proved>,
     /// The lowest island of those that lie over each other.
     bundle: Vec<usize>,
     /// Whether an island lies over no other one.
@@ -30,30 +34,37 @@ pub(super) struct Islands<'a> {
 impl<'a> Islands<'a> {
     pub(super) fn find(
         mesh: &TriMesh,
-        turned: &[FaceId],
+        repaired: Option<&(Cow<'_, TriMesh>, Repaired)>,
         uv: &'a UvMap,
         precision: Precision,
     ) -> Result<Self, AtlasError> {
         let of_face = charts(mesh, uv)?;
+        // What is shared is looked up in the UVs, which are known to be those of the mesh by now.
+        let is_shared =
+            repaired.map_or_else(|| vec![false; mesh.face_count()], |(joined, repaired)| sharing(joined, uv, repaired));
+        let mut turned = repaired.map(|(_, repaired)| repaired.turned_faces()).unwrap_or_default();
+        turned.retain(|f| !is_shared[f.index()]);
         let count = of_face.iter().max().map_or(0, |last| last + 1);
         let mut faces = vec![Vec::new(); count];
         of_face.iter().enumerate().for_each(|(f, &island)| faces[island].push(FaceId::new(f)));
-        let judge = Judge::new(mesh, turned, uv, precision);
-        let whole = judge.certificate(&[(0..mesh.face_count()).map(FaceId::new).collect()])?;
+        let is_judged = |f: &FaceId| !is_shared[f.index()];
+        let judged: Vec<Vec<FaceId>> =
+            faces.iter().map(|faces: &Vec<FaceId>| faces.iter().copied().filter(is_judged).collect()).collect();
+        let judge = Judge::new(mesh, &turned, uv, precision);
+        let whole = judge.certificate(&[judged.concat()])?;
         let mut found = Self {
             uv,
             of_face,
-            is_valid: vec![true; count],
-            is_injective: vec![true; count],
+            judged,
+            turned: Vec::new(),
+            proved: vec![Proved { is_valid: true, is_injective: true }; count],
             bundle: (0..count).collect(),
             is_single: vec![true; count],
             faces,
         };
         if !whole.injective() {
-            for (i, faces) in found.faces.iter().enumerate() {
-                let own = judge.certificate_of(faces)?;
-                found.is_valid[i] = own.valid();
-                found.is_injective[i] = own.injective();
+            for (i, faces) in found.judged.iter().enumerate() {
+                found.proved[i] = Proved::of(&judge.certificate_of(faces)?);
             }
             let mut sets = DisjointSets::new(count);
             overlapping(uv, &found.of_face, &mut sets);
@@ -62,7 +73,13 @@ impl<'a> Islands<'a> {
                 (found.is_single[i], found.is_single[lowest]) = (false, false);
             }
         }
+        found.turned = turned;
         Ok(found)
+    }
+
+    /// How many faces have the vertices and the UVs of an earlier one.
+    pub(super) fn shared(&self) -> usize {
+        self.of_face.len() - self.judged.iter().map(Vec::len).sum::<usize>()
     }
 
     pub(super) fn len(&self) -> usize {
@@ -71,7 +88,7 @@ impl<'a> Islands<'a> {
 
     /// Whether an island lies neither over itself nor over another one.
     pub(super) fn is_alone(&self, island: usize) -> bool {
-        self.is_injective[island] && self.is_single[island]
+        self.proved[island].is_injective && self.is_single[island]
     }
 
     /// Islands that lie over each other, those that are laid upon others left out.
@@ -94,9 +111,18 @@ impl<'a> Islands<'a> {
         self.faces.iter().map(|faces| sets.find(mesh.faces()[faces[0].index()][0].index())).collect()
     }
 
-    /// The UV points of an island's corners, three for each of its faces.
+    /// The UV points of the corners of an island's faces that are judged, three for each.
     pub(super) fn corners(&self, island: usize) -> impl Iterator<Item = UvId> + '_ {
-        self.faces[island].iter().flat_map(|face| face.corners()).map(|corner| self.uv.corners()[corner.index()])
+        self.ids(&self.judged[island])
+    }
+
+    /// Those of all its faces.
+    pub(super) fn all_corners(&self, island: usize) -> impl Iterator<Item = UvId> + '_ {
+        self.ids(&self.faces[island])
+    }
+
+    fn ids<'f>(&'f self, faces: &'f [FaceId]) -> impl Iterator<Item = UvId> + 'f {
+        faces.iter().flat_map(|face| face.corners()).map(|corner| self.uv.corners()[corner.index()])
     }
 
     pub(super) fn point(&self, id: UvId) -> [f64; 2] {
@@ -113,7 +139,7 @@ impl<'a> Islands<'a> {
 
     /// What an island covers.
     pub(super) fn polygons(&self, island: usize) -> Vec<Vec<Vec<[f64; 2]>>> {
-        outline::polygons(self.joined(island).triangles(), |id| self.point(id), self.is_injective[island])
+        outline::polygons(self.joined(island).triangles(), |id| self.point(id), self.proved[island].is_injective)
     }
 
     /// The triangles of an island, points in one place made one.
@@ -136,7 +162,7 @@ impl<'a> Islands<'a> {
         let mut points = vec![Point2::origin(); self.uv.points().len()];
         for (island, leader) in stacked_on.iter().enumerate() {
             match leader {
-                None => self.corners(island).for_each(|id| {
+                None => self.all_corners(island).for_each(|id| {
                     points[id.index()] = place(island, self.uv.points()[id.index()]);
                 }),
                 Some(leader) => leader.points.iter().for_each(|&(own, upon)| {

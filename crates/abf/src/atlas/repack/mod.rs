@@ -57,6 +57,11 @@ pub struct Repacked {
     pub island_of_face: Vec<usize>,
     /// Where every island is. One that is laid upon another is where that is.
     pub placements: Vec<Placement>,
+    /// How many faces repair turned around: they are judged so.
+    pub turned: usize,
+    /// How many faces have the vertices and the UVs of an earlier one, as the two sides of a leaf. They are no overlap, and are
+    /// not judged.
+    pub shared: usize,
     /// How many islands lie over others, and stay together with them.
     pub overlapping: usize,
     /// For every island the one that it is laid upon.
@@ -71,7 +76,7 @@ pub struct Repacked {
     pub coverage: f64,
     /// Where islands come nearer to themselves than the margin: [`NarrowPlace::chart`] is the island.
     pub narrow: Vec<NarrowPlace>,
-    /// The distortion of all faces, and what is proved of them as stored, but for islands that are laid upon others: an
+    /// The distortion of all faces that are judged, and what is proved of them as stored, but for islands that are laid upon others: an
     /// overlap is one that the map had before.
     pub metrics: Metrics,
 }
@@ -80,7 +85,7 @@ impl Repack {
     /// Packs the islands of `uv`. The other arguments are those of [`Atlas::pack`]; a component is a set of faces that are
     /// connected by vertices.
     ///
-    /// An island that is valid before, and would not be after turning and rounding, is not turned.
+    /// An island that is valid or injective before, and would not be after turning and rounding, is not turned.
     ///
     /// # Errors
     /// [`AtlasError`]; [`AtlasError::Metrics`] for UVs that are NaN or infinite.
@@ -94,9 +99,8 @@ impl Repack {
         let (atlas, precision) = (&self.atlas, stored.precision());
         atlas.check()?;
         // Faces that repair turns around are judged so. Where it leaves nothing, nothing was turned.
-        let repaired = as_repaired(mesh, Weld::Auto, None);
-        let turned = repaired.map(|(_, repaired)| repaired.turned_faces()).unwrap_or_default();
-        let islands = Islands::find(mesh, &turned, uv, precision)?;
+        let repaired = as_repaired(mesh, Weld::Auto, None).ok();
+        let islands = Islands::find(mesh, repaired.as_ref(), uv, precision)?;
         let group =
             atlas.groups(mesh, islands.faces.iter().map(Vec::as_slice), || islands.components(mesh), materials)?;
         let stacked_on = if self.stack { congruent::stacks(&islands, &group) } else { vec![None; islands.len()] };
@@ -122,29 +126,28 @@ impl Repack {
             }
             let place = |i: usize, p| stored.point(of_island[i].place(p, texels_per_unit, atlas.page));
             let packed = islands.moved(&stacked_on, place);
-            let judge = Judge::new(mesh, &turned, &packed, precision);
+            let judge = Judge::new(mesh, &islands.turned, &packed, precision);
             let mut faces_of: Vec<Vec<FaceId>> = vec![Vec::new(); pages];
             for &i in bundles.iter().flatten() {
-                faces_of[of_island[i].page].extend_from_slice(&islands.faces[i]);
+                faces_of[of_island[i].page].extend_from_slice(&islands.judged[i]);
             }
             let certificate = judge.certificate(&faces_of)?;
-            let mut spoilt = Vec::new();
-            if !certificate.valid() {
-                for (number, bundle) in bundles.iter().enumerate().filter(|&(n, _)| !pieces[n].keeps_its_angle) {
-                    for &i in bundle.iter().filter(|&&i| islands.is_valid[i]) {
-                        if !judge.certificate_of(&islands.faces[i])?.valid() {
-                            spoilt.push(number);
-                        }
-                    }
-                }
-            }
+            let turnable: Vec<(usize, usize)> = bundles
+                .iter()
+                .enumerate()
+                .filter(|&(number, _)| !pieces[number].keeps_its_angle)
+                .flat_map(|(number, bundle)| bundle.iter().map(move |&i| (number, i)))
+                .collect();
+            let before = turnable.iter().map(|&(_, i)| (islands.judged[i].as_slice(), islands.proved[i]));
+            let spoilt = judge.spoilt(before, &certificate)?;
             if spoilt.is_empty() {
-                let all: Vec<FaceId> = (0..mesh.face_count()).map(FaceId::new).collect();
-                let metrics = judge.metrics(&all, certificate, atlas.page)?;
+                let metrics = judge.metrics(&islands.judged.concat(), certificate, atlas.page)?;
                 let mut narrow = atlas.narrow_places(&pieces, texels_per_unit);
                 narrow.iter_mut().for_each(|place| place.chart = bundles[place.chart][0]);
                 return Ok(Repacked {
                     islands: islands.len(),
+                    turned: islands.turned.len(),
+                    shared: islands.shared(),
                     overlapping: bundles.iter().filter(|bundle| bundle.len() > 1).map(Vec::len).sum(),
                     placements: of_island,
                     stacked_on: stacked_on.into_iter().map(|leader| leader.map(|leader| leader.on)).collect(),
@@ -158,7 +161,7 @@ impl Repack {
                     metrics,
                 });
             }
-            spoilt.into_iter().for_each(|number| pieces[number].keeps_its_angle = true);
+            spoilt.into_iter().for_each(|at| pieces[turnable[at].0].keeps_its_angle = true);
         }
     }
 }

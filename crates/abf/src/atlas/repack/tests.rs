@@ -156,3 +156,36 @@ fn what_cannot_be_packed_anew_is_refused_by_name() {
     let error = Repack::default().run(&mesh_of_one, &uv, None, Stored::default()).unwrap_err();
     assert!(matches!(error, AtlasError::Metrics(MetricsError::CornerCount { .. })), "{error}");
 }
+
+#[test]
+fn both_sides_of_a_leaf_on_the_same_texels_are_no_overlap() {
+    // Two leaves of one shape; the back of the second has UV points of its own.
+    let points =
+        [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0, 0.0, 0.0], [12.0, 0.0, 0.0], [9.0, 1.0, 0.0]];
+    let faces = [[0, 1, 2], [0, 2, 1], [3, 4, 5], [3, 5, 4]];
+    let mesh = TriMesh::new(points.map(Point3::from).to_vec(), &faces).expect("indices in range");
+    let places = [0, 1, 2, 3, 4, 5, 3, 5, 4].map(|v| Point2::new(points[v][0], points[v][1]));
+    let corners = [0, 1, 2, 0, 2, 1, 3, 4, 5, 6, 7, 8].map(UvId::new);
+    let uv = UvMap::new(places.to_vec(), corners.to_vec());
+    for stack in [false, true] {
+        let packed =
+            Repack { stack, ..Repack::default() }.run(&mesh, &uv, None, Stored::default()).expect("packed");
+        assert_eq!((packed.islands, packed.overlapping, packed.shared), (2, 0, 2));
+        assert!(packed.metrics.injective() && packed.metrics.triangles == 2, "{:?}", packed.metrics);
+        assert_eq!(packed.pieces, if stack { 1 } else { 2 });
+        for (own, upon) in [(6, 3), (7, 5), (8, 4)] {
+            assert_eq!(packed.uv.points()[own], packed.uv.points()[upon], "the back lies on the front");
+        }
+        let judged = crate::judge(&mesh, &packed.uv, &crate::JudgeSettings::default()).expect("a judgement");
+        assert_eq!(judged.shared, 2);
+        assert_eq!(judged.metrics.certificate.overlaps() > 0, stack);
+    }
+}
+
+#[test]
+fn islands_by_the_thousand_that_reach_into_each_other_are_packed_without_counting_all_overlaps() {
+    let islands: Vec<Outline> = (0..4000).map(|i| quad(1e-5 * f64::from(i), 2e-5 * f64::from(i), 1.0, 1.0)).collect();
+    let packed = run(Repack::default(), &islands);
+    assert_eq!((packed.islands, packed.pieces, packed.overlapping), (4000, 1, 4000));
+    assert!(packed.metrics.certificate.overlaps_are_least && packed.metrics.certificate.overlaps() > 4_000_000);
+}

@@ -231,7 +231,8 @@ fn injective_line(m: &Quality) -> String {
     } else {
         format!(" (triangles {}{more}, counted from 0)", pairs.join(", "))
     };
-    format!("no: {} ({}){named}", count(m.overlaps, "overlap", "overlaps"), kinds.join(", "))
+    let least = if m.overlaps_are_least { "at least " } else { "" };
+    format!("no: {least}{} ({}){named}", count(m.overlaps, "overlap", "overlaps"), kinds.join(", "))
 }
 
 fn distortion_lines(m: &Quality) -> Vec<(&'static str, String)> {
