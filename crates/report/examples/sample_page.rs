@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = folder.join("sample-layout.svg");
     std::fs::write(
         &path,
-        layout_svg(&mesh, &layouts(&mesh)[0], &SvgStyle { mm_per_uv: 100.0, ..SvgStyle::default() })?,
+        layout_svg(&mesh, &layouts(&mesh)[0], None, &SvgStyle { mm_per_uv: 100.0, ..SvgStyle::default() })?,
     )?;
     println!("{}", path.display());
     Ok(())

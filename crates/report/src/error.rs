@@ -11,6 +11,14 @@ pub enum PictureError {
     /// coordinates that are not finite.
     #[error(transparent)]
     Input(#[from] MetricsError),
+    /// Charts of another mesh.
+    #[error("there are charts for {given} faces, and the mesh has {faces}")]
+    Charts {
+        /// For how many faces.
+        given: usize,
+        /// How many there are.
+        faces: usize,
+    },
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -4,7 +4,7 @@
 //!   UVs, on the right the layout with the same checkerboard. Where the squares of the surface are
 //!   square and of one size, the map keeps angles and areas; the hue drifts across the layout, so
 //!   that a place on one side can be found on the other.
-//! * [`svg::layout_svg`] returns the layout in real units, in layers for cutters and plotters.
+//! * [`svg::layout_svg`] and [`dxf::layout_dxf`] return the layout in real units, in layers for cutters and plotters.
 //! * [`page::render`] returns one self-contained HTML page about many runs on many meshes: pictures,
 //!   tables, convergence and histograms.
 //!
@@ -18,9 +18,10 @@
 mod camera;
 mod checker;
 mod colour;
+mod drawing;
+pub mod dxf;
 mod error;
 mod layout;
-mod outline;
 pub mod page;
 mod panel;
 mod picture;

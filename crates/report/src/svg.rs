@@ -1,16 +1,13 @@
 //! The layout in real units, as SVG: for cutters, plotters and drawing programs.
 //!
-//! A file has up to seven layers, in this order: `mesh` (edges within, to engrave or to leave out), `mountain` and `valley`
+//! A file has up to eight layers, in this order: `mesh` (edges within, to engrave or to leave out), `mountain` and `valley`
 //! (folds), `cut` (where the layout ends, joined to loops so that a tool need not lift), `marks` (seams and flipped
-//! triangles, for the eye only), `numbers` (the same number at both sides of a seam) and `scale` (a bar).
+//! triangles, for the eye only), `numbers` (the same number at both sides of a seam), `charts` (the number of every chart) and `scale` (a bar).
 //! A seam is in `cut` on both of its sides, because the
 //! material ends there; `marks` only says which of the cuts are seams. Inkscape shows the groups
 //! as layers.
 
-mod folds;
-mod loops;
 mod scale;
-mod seams;
 
 use std::fmt::Write;
 use std::str::FromStr;
@@ -19,10 +16,12 @@ use abf_mesh::{CornerId, Point2, TriMesh, UvMap};
 use abf_metrics::{FaceDistortion, Orientation, per_face};
 
 use crate::PictureError;
-use crate::outline::Edges;
+use crate::drawing::folds::Folds;
+use crate::drawing::labels::labels;
+use crate::drawing::loops::{Chain, chains};
+use crate::drawing::outline::Edges;
+use crate::drawing::{check_charts, height_in_chart, seams};
 use crate::panel::bounds;
-use folds::Folds;
-use loops::{Chain, chains};
 
 /// Millimetres in an inch.
 const MM_PER_INCH: f64 = 25.4;
@@ -31,7 +30,7 @@ const MM_PER_CM: f64 = 10.0;
 /// The largest page, millimetres: ten kilometres, far beyond any tool, still exact to a micrometre.
 const LARGEST: f64 = 1e7;
 
-/// The unit of length of an SVG file.
+/// The unit of length of a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SvgUnit {
@@ -127,10 +126,11 @@ impl Default for SvgStyle {
 /// Writes the layout as an SVG file in real units.
 ///
 /// The page is as large as the layout and its margin; y points up as in the UVs, so nothing is
-/// mirrored. Loops start at the edge of the lowest corner index. The same input gives the same text.
+/// mirrored. Loops start at the edge of the lowest corner index. `charts` has the chart of every face, counted from 0;
+/// without it charts have no numbers. The same input gives the same text.
 ///
 /// # Errors
-/// A [`PictureError`] if the mesh has no faces or no area, the map belongs to another mesh, a
+/// A [`PictureError`] if the mesh has no faces or no area, the map or the charts belong to another mesh, a
 /// coordinate is not finite, or a length of the style is out of its range.
 ///
 /// ```
@@ -140,13 +140,19 @@ impl Default for SvgStyle {
 /// let corners = [[0.0, 0.0, 0.0], [40.0, 0.0, 0.0], [0.0, 30.0, 0.0]].map(Point3::from);
 /// let mesh = TriMesh::new(corners.to_vec(), &[[0, 1, 2]])?;
 /// let uv = UvMap::per_vertex(&mesh, &corners.map(|p| Point2::new(p.x, p.y)));
-/// let svg = layout_svg(&mesh, &uv, &SvgStyle::default())?;
+/// let svg = layout_svg(&mesh, &uv, None, &SvgStyle::default())?;
 /// assert!(svg.contains(r#"width="50mm" height="40mm" viewBox="0 0 50 40""#));
 /// assert!(svg.contains(r#"d="M5 35L45 35L5 5Z""#));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn layout_svg(mesh: &TriMesh, uv: &UvMap, style: &SvgStyle) -> Result<String, PictureError> {
+pub fn layout_svg(
+    mesh: &TriMesh,
+    uv: &UvMap,
+    charts: Option<&[u32]>,
+    style: &SvgStyle,
+) -> Result<String, PictureError> {
     let faces = per_face(mesh, uv)?;
+    check_charts(mesh, charts)?;
     let sheet = Sheet::new(uv, style)?;
     let edges = Edges::of(mesh, uv);
     let mut out = sheet.head();
@@ -162,6 +168,10 @@ pub fn layout_svg(mesh: &TriMesh, uv: &UvMap, style: &SvgStyle) -> Result<String
     if style.marks {
         sheet.marks(&mut out, &edges.seams, &faces);
         sheet.numbers(&mut out, &seams::marks(mesh, uv, &edges));
+    }
+    if let Some(charts) = charts {
+        let highest = height_in_chart((sheet.high - sheet.low).max(), style.mm_per_uv);
+        sheet.chart_numbers(&mut out, &labels(uv, &edges, charts, highest));
     }
     if style.scale_bar {
         sheet.scale_bar(&mut out);
@@ -305,7 +315,7 @@ impl<'a> Sheet<'a> {
 }
 
 /// A number with at most so many digits after the point, without trailing zeros and without −0.
-fn decimal(x: f64, decimals: usize) -> String {
+pub(crate) fn decimal(x: f64, decimals: usize) -> String {
     let text = format!("{x:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if text == "-0" { "0".to_owned() } else { text.to_owned() }

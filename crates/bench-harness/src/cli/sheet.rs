@@ -34,15 +34,17 @@ impl Sheet {
         let conflict = |message: String| Err(usage(ErrorKind::ArgumentConflict, message));
         let is_for_uvs = args.units.is_some();
         if args.unit.is_some() && !is_drawn {
-            return conflict("--unit says how large a drawing is: add --svg FILE, or leave it out".to_owned());
+            return conflict(
+                "--unit says how large a drawing is: add --svg FILE or --dxf FILE, or leave it out".to_owned(),
+            );
         }
         if args.folds.is_some() && !is_drawn {
-            return conflict("--folds concerns a drawing: add --svg FILE, or leave it out".to_owned());
+            return conflict("--folds concerns a drawing: add --svg FILE or --dxf FILE, or leave it out".to_owned());
         }
         if !is_for_uvs && !is_drawn {
             for (option, is_given) in [("--orient", args.orient.is_some()), ("--gap", args.gap.is_some())] {
                 if is_given {
-                    return conflict(format!("{option} concerns a sheet: add --units real or --svg FILE"));
+                    return conflict(format!("{option} concerns a sheet: add --units real, --svg FILE or --dxf FILE"));
                 }
             }
             return Ok(None);
@@ -50,7 +52,7 @@ impl Sheet {
         if is_for_uvs && normalize {
             return conflict("--units real and --normalize are two scales: leave out one of them".to_owned());
         }
-        let of_pages = charts.packing.first_given().or(charts.max_chart_length.map(|_| "--max-chart-length"));
+        let of_pages = charts.packing.first_given().or_else(|| charts.first_of_pages());
         if let Some(option) = of_pages.filter(|_| is_for_uvs) {
             return conflict(format!("{option} concerns the unit square: leave it out, or --units real"));
         }

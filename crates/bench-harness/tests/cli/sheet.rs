@@ -113,6 +113,69 @@ fn assert_near(found: &[f64], expected: &[f64]) {
     }
 }
 
+/// The closed polylines of the layer `CUT` of a DXF, which has to be in millimetres.
+fn cuts_of_dxf(path: &Path) -> Vec<Vec<[f64; 2]>> {
+    let text = std::fs::read_to_string(path).expect("written");
+    assert!(text.contains("$INSUNITS\n70\n4\n"), "millimetres");
+    let mut loops = Vec::new();
+    for entity in text.split("\n0\nLWPOLYLINE\n").skip(1) {
+        let lines: Vec<&str> = entity.split("\n0\n").next().unwrap_or_default().lines().collect();
+        let groups: Vec<(&str, &str)> = lines.chunks(2).map(|pair| (pair[0], pair[1])).collect();
+        assert!(groups.contains(&("8", "CUT")) && groups.contains(&("70", "1")), "{groups:?}");
+        let all = |code: &str| {
+            groups
+                .iter()
+                .filter(|group| group.0 == code)
+                .map(|group| group.1.parse::<f64>().expect("a number"))
+                .collect::<Vec<_>>()
+        };
+        loops.push(all("10").into_iter().zip(all("20")).map(|(x, y)| [x, y]).collect());
+    }
+    loops
+}
+
+#[test]
+fn a_dxf_has_the_lengths_of_the_surface_and_the_same_bytes_every_time() {
+    for (surface, pieces, unit, mm) in
+        [(half_tube(), 1, "mm", 1.0), (plate(), 2, "cm", 10.0), (two_pieces(), 3, "m", 1000.0)]
+    {
+        let folder = Folder::new();
+        let mesh = folder.file("a.obj", surfaces::obj(&surface.0, &surface.1));
+        let texts = ["a.dxf", "b.dxf"].map(|name| {
+            let dxf = folder.path(name);
+            let ran = run_on(&format!("--dxf {} --unit {unit}", dxf.display()), &[&mesh]);
+            assert_eq!(ran.code, 0, "{}", ran.stderr);
+            std::fs::read_to_string(dxf).expect("written")
+        });
+        assert_eq!(texts[0], texts[1]);
+        let loops = cuts_of_dxf(&folder.path("a.dxf"));
+        assert_eq!(loops.len(), pieces);
+        let expected: Vec<f64> = boundary(&surface).iter().map(|length| mm * length).collect();
+        let found = Drawing { size: [0.0; 2], loops }.lengths();
+        assert_eq!(found.len(), expected.len());
+        assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-6 * mm), "{found:?}");
+    }
+}
+
+#[test]
+fn every_chart_has_its_number_in_both_drawings() {
+    let folder = Folder::new();
+    let (points, faces) = two_pieces();
+    let mesh = folder.file("a.obj", surfaces::obj(&points, &faces));
+    let (svg, dxf) = (folder.path("a.svg"), folder.path("a.dxf"));
+    let ran = run_on(&format!("--svg {} --dxf {}", svg.display(), dxf.display()), &[&mesh]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let text = std::fs::read_to_string(&svg).expect("written");
+    let document = roxmltree::Document::parse(&text).expect("XML");
+    let layer = document.descendants().find(|node| node.attribute("id") == Some("charts")).expect("a layer");
+    let numbers: Vec<&str> =
+        layer.children().filter_map(|node| node.text()).map(str::trim).filter(|t| !t.is_empty()).collect();
+    assert_eq!(numbers, ["1", "2"]);
+    let text = std::fs::read_to_string(&dxf).expect("written");
+    let labels = text.split("\n0\nTEXT\n").skip(1).map(|entity| entity.lines().skip_while(|line| *line != "40").nth(3));
+    assert_eq!(labels.collect::<Vec<_>>(), [Some("1"), Some("2")]);
+}
+
 #[test]
 fn half_a_tube_is_drawn_as_long_and_as_wide_as_it_is() {
     let tube = half_tube();
@@ -165,11 +228,13 @@ fn real_units_are_written_and_stated() {
 fn options_of_sheets_that_do_not_fit_are_refused() {
     let missing = Path::new("missing.obj");
     for (options, expected) in [
-        ("--unit cm", "--unit says how large a drawing is: add --svg FILE, or leave it out"),
-        ("--folds", "--folds concerns a drawing: add --svg FILE, or leave it out"),
+        ("--unit cm", "--unit says how large a drawing is: add --svg FILE or --dxf FILE, or leave it out"),
+        ("--folds", "--folds concerns a drawing: add --svg FILE or --dxf FILE, or leave it out"),
         ("--units real --folds=190 --svg a.svg", "--folds must be in 0..=180 degrees, got 190"),
-        ("--orient keep", "--orient concerns a sheet: add --units real or --svg FILE"),
+        ("--orient keep", "--orient concerns a sheet: add --units real, --svg FILE or --dxf FILE"),
         ("--units real --normalize", "--units real and --normalize are two scales: leave out one of them"),
+        ("--units real --coverage 0.5", "--coverage concerns the unit square: leave it out, or --units real"),
+        ("--dxf a.svg", "dxf"),
         ("--units real --margin 4", "--margin concerns the unit square: leave it out, or --units real"),
         ("--units real --gap nan", "--gap must be at least 0, got NaN"),
     ] {

@@ -1,17 +1,14 @@
-//! Text on a sheet: the scale bar, and the numbers of seams.
+//! Text on a sheet: the scale bar, and the numbers of seams and charts.
 
 use super::Sheet;
-use super::seams::Mark;
-use std::fmt::Write;
+use crate::drawing::labels::Label;
+use crate::drawing::seams::Mark;
+use crate::drawing::{LETTERS_MM, height_at_seam};
+use abf_mesh::Point2;
+use std::fmt::{Display, Write};
 
 /// The height of the strip below the layout that holds the scale bar, millimetres.
 pub(super) const STRIP_MM: f64 = 10.0;
-/// The height of letters, millimetres, at most.
-const LETTERS_MM: f64 = 3.0;
-/// Letters are no higher than this part of the longer side of the layout.
-const LETTERS: f64 = 0.02;
-/// And those of a seam no higher than this part of its length.
-const OF_SEAM: f64 = 0.4;
 
 impl Sheet<'_> {
     /// Writes a bar of a round length, at most half as wide as the layout or 50 mm, with its length in millimetres.
@@ -39,10 +36,7 @@ impl Sheet<'_> {
         if marks.is_empty() {
             return;
         }
-        let longer = (self.high - self.low).max() * self.style.mm_per_uv;
-        let height = |mark: &Mark| {
-            LETTERS_MM.min(LETTERS * longer).min(OF_SEAM * mark.length * self.style.mm_per_uv) / self.style.mm_per_uv
-        };
+        let height = |mark: &Mark| height_at_seam(mark, (self.high - self.low).max(), self.style.mm_per_uv);
         let tick = |mark: &Mark| {
             let end = mark.at + mark.inward * (0.5 * height(mark));
             format!("M{}L{}", self.place(mark.at), self.place(end))
@@ -50,17 +44,33 @@ impl Sheet<'_> {
         self.layer(out, "numbers", r##"fill="none" stroke="#7a4bc2""##, &[("ticks", marks.iter().map(tick).collect())]);
         self.in_layer(out, |out| {
             for mark in marks {
-                let at = self.place(mark.at + mark.inward * (1.2 * height(mark)));
-                let (x, y) = at.split_once(' ').unwrap_or_default();
-                let size = self.number(self.scale * height(mark));
-                let _ = writeln!(
-                    out,
-                    "<text x=\"{x}\" y=\"{y}\" font-family=\"sans-serif\" font-size=\"{size}\" text-anchor=\"middle\" \
-                     dominant-baseline=\"central\" fill=\"#7a4bc2\" stroke=\"none\">{}</text>",
-                    mark.number
-                );
+                let at = mark.at + mark.inward * (1.2 * height(mark));
+                self.centred(out, mark.number, (at, height(mark)), "#7a4bc2");
             }
         });
+    }
+
+    /// Writes the number of every chart where there is most room for it.
+    pub(super) fn chart_numbers(&self, out: &mut String, labels: &[Label]) {
+        if labels.is_empty() {
+            return;
+        }
+        self.layer(out, "charts", r##"fill="none" stroke="none""##, &[]);
+        self.in_layer(out, |out| {
+            labels.iter().for_each(|label| self.centred(out, label.number, (label.at, label.height), "#000000"));
+        });
+    }
+
+    /// Writes a number with its middle at a place, so high in units of the UVs.
+    fn centred(&self, out: &mut String, number: impl Display, (at, height): (Point2<f64>, f64), colour: &str) {
+        let at = self.place(at);
+        let (x, y) = at.split_once(' ').unwrap_or_default();
+        let size = self.number(self.scale * height);
+        let _ = writeln!(
+            out,
+            "<text x=\"{x}\" y=\"{y}\" font-family=\"sans-serif\" font-size=\"{size}\" text-anchor=\"middle\" \
+             dominant-baseline=\"central\" fill=\"{colour}\" stroke=\"none\">{number}</text>"
+        );
     }
 
     /// Writes more into the layer that was written last.

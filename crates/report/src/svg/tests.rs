@@ -20,7 +20,7 @@ fn bare() -> SvgStyle {
 }
 
 fn drawn(mesh: &TriMesh, uv: &UvMap, style: &SvgStyle) -> String {
-    layout_svg(mesh, uv, style).expect("a layout")
+    layout_svg(mesh, uv, None, style).expect("a layout")
 }
 
 #[test]
@@ -120,11 +120,11 @@ fn rejects_lengths_out_of_range_and_the_map_of_another_mesh() {
             "the longer side of the layout must be finite and at most 1e7 mm, got 18000000",
         ),
     ] {
-        assert_eq!(layout_svg(&mesh, &uv, &style).expect_err("out of range").to_string(), expected);
+        assert_eq!(layout_svg(&mesh, &uv, None, &style).expect_err("out of range").to_string(), expected);
     }
     let other = UvMap::new(vec![Point2::origin()], vec![UvId::new(0); 3]);
     let error = PictureError::Input(MetricsError::CornerCount { corners: 3, faces: 2 });
-    assert_eq!(layout_svg(&mesh, &other, &bare()), Err(error));
+    assert_eq!(layout_svg(&mesh, &other, None, &bare()), Err(error));
 }
 
 /// Two squares that meet at an edge on the y axis, the right one bent down by 45 degrees.

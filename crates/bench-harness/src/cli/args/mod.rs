@@ -8,7 +8,7 @@ mod sheet;
 use abf::{SolverKind, Weld};
 use abf_mesh::io::MeshFormat;
 use abf_shapes::Shape;
-pub(crate) use charts::{ChartArgs, SeamsFrom};
+pub(crate) use charts::{ChartArgs, InnerMargin, SeamsFrom};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
 use method::MOST_THREADS;
@@ -141,6 +141,9 @@ pub(crate) struct FlattenArgs {
     /// Draw all charts side by side in millimetres (--unit says what a unit of the mesh is), outline and edges in layers
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]
     pub(crate) svg: Option<PathBuf>,
+    /// The same for CAD programs: outlines, folds and numbers in the layers CUT, FOLD and LABEL, in millimetres
+    #[arg(long, value_name = "FILE", help_heading = "Outputs")]
+    pub(crate) dxf: Option<PathBuf>,
 }
 
 /// The arguments of `compare`.

@@ -23,7 +23,7 @@ pub(crate) struct SheetArgs {
     /// [default: none; without A: 10]
     #[arg(long, hide_short_help = true, value_name = "A", num_args = 0..=1, require_equals = true, default_missing_value = "10", help_heading = SHEET)]
     pub(crate) folds: Option<f64>,
-    /// What one unit of the mesh is, for --svg [default: mm, and m for a glTF]
+    /// What one unit of the mesh is, for --svg and --dxf [default: mm, and m for a glTF]
     #[arg(long, value_name = "UNIT", help_heading = SHEET)]
     pub(crate) unit: Option<ModelUnit>,
 }

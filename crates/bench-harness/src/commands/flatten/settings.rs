@@ -29,6 +29,8 @@ pub(crate) struct Settings {
     pub(crate) png: Option<PathBuf>,
     /// Where to draw the layout in real units.
     pub(crate) svg: Option<PathBuf>,
+    /// The same for CAD programs.
+    pub(crate) dxf: Option<PathBuf>,
     /// Where the JSON goes.
     pub(crate) json: Option<JsonTarget>,
     /// Where every iteration goes.
@@ -49,13 +51,19 @@ impl Settings {
             [] => vec![Source::Builtin],
             meshes => meshes.iter().cloned().map(Source::File).collect(),
         };
-        let (output, png, svg) = (args.output, args.png, args.svg);
-        let sheet = Sheet::new(&args.sheet, &args.charts, args.method.normalize, svg.is_some())?;
+        let (output, png, svg, dxf) = (args.output, args.png, args.svg, args.dxf);
+        let sheet = Sheet::new(&args.sheet, &args.charts, args.method.normalize, svg.is_some() || dxf.is_some())?;
         let charting = Charting::new(args.charts, &args.meshes, output.as_deref())?;
         let (history, json) = (JsonTarget::new(args.history), JsonTarget::new(args.json));
         let (seam_lines, remap) = (&charting.seam_lines, &charting.remap);
-        let singles =
-            [("--output", &output), ("--png", &png), ("--svg", &svg), ("--seam-lines", seam_lines), ("--remap", remap)];
+        let singles = [
+            ("--output", &output),
+            ("--png", &png),
+            ("--svg", &svg),
+            ("--dxf", &dxf),
+            ("--seam-lines", seam_lines),
+            ("--remap", remap),
+        ];
         for (option, path) in singles {
             if let Some(path) = path {
                 check_is_for_one(option, path, sources.len(), methods.len())?;
@@ -68,6 +76,7 @@ impl Settings {
             ("--output", output.as_deref()),
             ("--png", png.as_deref()),
             ("--svg", svg.as_deref()),
+            ("--dxf", dxf.as_deref()),
             ("--seam-lines", seam_lines.as_deref()),
             ("--remap", remap.as_deref()),
             ("--json", json.as_ref().and_then(JsonTarget::file)),
@@ -75,20 +84,29 @@ impl Settings {
         ];
         check_distinct(&targets, &args.meshes)?;
         check_one_stdout(&[("--json", json.as_ref()), ("--history", history.as_ref())])?;
-        for (option, path, extension) in [("--png", &png, "png"), ("--svg", &svg, "svg")] {
+        for (option, path, extension) in [("--png", &png, "png"), ("--svg", &svg, "svg"), ("--dxf", &dxf, "dxf")] {
             if let Some(path) = path {
                 check_extension(option, path, &[extension])?;
             }
         }
         args.meshes.iter().try_for_each(|mesh| check_is_no_command(mesh))?;
-        Ok(Self { sources, methods, charting, sheet, output, png, svg, json, history, typed })
+        Ok(Self { sources, methods, charting, sheet, output, png, svg, dxf, json, history, typed })
     }
 
     /// The files that will be written.
-    pub(crate) fn files(&self) -> [Option<&Path>; 7] {
+    pub(crate) fn files(&self) -> [Option<&Path>; 8] {
         let [json, history] = [&self.json, &self.history].map(|target| target.as_ref().and_then(JsonTarget::file));
         let (seams, remap) = (self.charting.seam_lines.as_deref(), self.charting.remap.as_deref());
-        [self.output.as_deref(), self.png.as_deref(), self.svg.as_deref(), json, history, seams, remap]
+        [
+            self.output.as_deref(),
+            self.png.as_deref(),
+            self.svg.as_deref(),
+            self.dxf.as_deref(),
+            json,
+            history,
+            seams,
+            remap,
+        ]
     }
 
     /// What a run is to come to.

@@ -10,6 +10,7 @@ use crate::run::write::write;
 use crate::show::{console, files};
 use abf::Developed;
 use abf_mesh::{TriMesh, UvMap, VertexId};
+use abf_report::dxf::{DxfStyle, layout_dxf};
 use abf_report::svg::{SvgStyle, layout_svg};
 use abf_report::{PictureError, PictureStyle, picture_unless};
 use std::path::Path;
@@ -56,20 +57,22 @@ pub(super) fn write_files(
     let one_page = |path: &Path| if pages == 1 { Ok(()) } else { Err(Failure::several_pages(path, pages)) };
     let placed = loaded.placed();
     let png = settings.png.as_deref().map(|path| (path, one_page(path).and_then(|()| draw(path, placed, uv, cancel))));
-    let style = settings.sheet.map(|sheet| SvgStyle {
-        mm_per_uv: sheet.mm_per_unit(loaded.is_gltf()),
-        folds: sheet.folds,
-        scale_bar: true,
-        ..SvgStyle::default()
+    let (folds, mm_per_uv) =
+        settings.sheet.as_ref().map_or((None, 1.0), |sheet| (sheet.folds, sheet.mm_per_unit(loaded.is_gltf())));
+    let svg = settings.svg.as_deref().zip(sheet).map(|(path, sheet)| {
+        let style = SvgStyle { mm_per_uv, folds, scale_bar: true, ..SvgStyle::default() };
+        (path, replace(path, layout_svg(&sheet.mesh, &sheet.uv, Some(&sheet.charts), &style)))
     });
-    let svg = settings.svg.as_deref().zip(sheet);
-    let svg = svg.map(|(path, sheet)| (path, draw_sheet(path, sheet, &style.clone().unwrap_or_default())));
+    let dxf = settings.dxf.as_deref().zip(sheet).map(|(path, sheet)| {
+        let style = DxfStyle { mm_per_uv, folds, ..DxfStyle::default() };
+        (path, replace(path, layout_dxf(&sheet.mesh, &sheet.uv, Some(&sheet.charts), &style)))
+    });
     let lines = charting.seam_lines.as_deref();
     let lines = lines.map(|path| (path, files::replace(path, seam_lines(mesh, seams).as_bytes())));
     let remap = charting.remap.as_deref().zip(remap);
     let remap = remap.map(|(path, json)| (path, files::replace(path, json.as_bytes())));
     let mut end = Ok(());
-    for (path, result) in [written, png, svg, lines, remap].into_iter().flatten() {
+    for (path, result) in [written, png, svg, dxf, lines, remap].into_iter().flatten() {
         match (result, &end) {
             (Ok(()), _) => record.written.push(path.display().to_string()),
             (Err(failure), Ok(())) => end = Err(failure),
@@ -88,7 +91,7 @@ fn draw(path: &Path, mesh: &TriMesh, uv: &UvMap, cancel: &Cancel) -> Result<(), 
     files::replace(path, &png)
 }
 
-fn draw_sheet(path: &Path, sheet: &Developed, style: &SvgStyle) -> Result<(), Failure> {
-    let svg = layout_svg(&sheet.mesh, &sheet.uv, style).map_err(|error| Failure::picture(path, &error))?;
-    files::replace(path, svg.as_bytes())
+fn replace(path: &Path, drawing: Result<String, PictureError>) -> Result<(), Failure> {
+    let drawing = drawing.map_err(|error| Failure::picture(path, &error))?;
+    files::replace(path, drawing.as_bytes())
 }

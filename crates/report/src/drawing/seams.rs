@@ -1,6 +1,6 @@
 //! Numbers on both sides of every seam, so that what belongs together is found.
 
-use crate::outline::Edges;
+use super::outline::Edges;
 use abf_mesh::{CornerId, Point2, Point3, TriMesh, UvMap, Vector2};
 use std::collections::HashMap;
 
@@ -9,15 +9,15 @@ const BEND: f64 = 0.25;
 
 /// A number at one side of a seam.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Mark {
+pub(crate) struct Mark {
     /// The same at all sides of this stretch of seam, counted from 1.
-    pub(super) number: usize,
+    pub(crate) number: usize,
     /// Its middle, the same point of the surface at all sides, in UVs.
-    pub(super) at: Point2<f64>,
+    pub(crate) at: Point2<f64>,
     /// The direction into the chart, of length 1.
-    pub(super) inward: Vector2<f64>,
+    pub(crate) inward: Vector2<f64>,
     /// How long the stretch is, in units of the mesh.
-    pub(super) length: f64,
+    pub(crate) length: f64,
 }
 
 /// An edge of the surface that is a seam.
@@ -27,7 +27,7 @@ struct Seam {
 }
 
 /// The marks of all seams. A stretch ends where seams meet, where the seam reaches the boundary, and where it bends.
-pub(super) fn marks(mesh: &TriMesh, uv: &UvMap, edges: &Edges) -> Vec<Mark> {
+pub(crate) fn marks(mesh: &TriMesh, uv: &UvMap, edges: &Edges) -> Vec<Mark> {
     let seams = seams(edges);
     let mut marks = Vec::new();
     let stretches = chains(&seams, edges).into_iter().flat_map(|chain| {

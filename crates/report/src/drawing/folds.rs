@@ -4,16 +4,16 @@ use abf_mesh::{CornerId, TriMesh, Vector3};
 
 /// The edges at which a sheet is folded, each by one of its corners.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Folds {
+pub(crate) struct Folds {
     /// The front of the sheet is outside: the surface is convex.
-    pub(super) mountains: Vec<CornerId>,
+    pub(crate) mountains: Vec<CornerId>,
     /// The front of the sheet is inside.
-    pub(super) valleys: Vec<CornerId>,
+    pub(crate) valleys: Vec<CornerId>,
 }
 
 impl Folds {
     /// The edges at which the surface turns by at least an angle, rad. Faces without area have no folds.
-    pub(super) fn of(mesh: &TriMesh, joined: &[[CornerId; 2]], angle: f64) -> Self {
+    pub(crate) fn of(mesh: &TriMesh, joined: &[[CornerId; 2]], angle: f64) -> Self {
         let place = |c: CornerId| mesh.positions()[mesh.faces()[c.face().index()][c.place()].index()];
         let normal = |c: CornerId| -> Option<Vector3<f64>> {
             let [p, q, r] = [c, c.next(), c.prev()].map(place);
