@@ -48,7 +48,9 @@ pub use abf_solve_core::{
     PreconditionerKind, Reduction,
 };
 pub use arrays::{ArrayError, ArrayUnwrapper, UnwrappedArrays};
-pub use atlas::{Atlas, AtlasError, AtlasPages, NarrowPlace, Packed, Placement, Repack, Repacked, Stored};
+pub use atlas::{
+    Atlas, AtlasError, AtlasPages, NarrowPlace, Packed, Parted, Parting, Placement, Repack, Repacked, Stored,
+};
 pub use error::FlattenError;
 pub use flattening::{Flattening, LayoutReport, RungReport};
 pub use judge::{JudgeError, JudgeSettings, Judgement, judge};

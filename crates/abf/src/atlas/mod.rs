@@ -2,6 +2,7 @@
 
 pub(crate) mod judge;
 mod outline;
+mod parting;
 mod repack;
 mod stored;
 
@@ -12,7 +13,7 @@ use abf_metrics::{Metrics, MetricsError, Precision};
 use abf_pack::{Effort, PackError, PackSettings, Packing, Piece};
 use abf_parallel::prelude::*;
 use judge::Judge;
-pub(crate) use judge::{Parts, as_repaired, in_input};
+pub(crate) use judge::{Parts, Proved, as_repaired, in_input, sharing};
 use std::collections::HashMap;
 
 /// How charts are laid out in the unit square.
@@ -176,6 +177,7 @@ impl From<abf_pack::Placement> for Placement {
     }
 }
 
+pub use parting::{Parted, Parting};
 pub use repack::{Repack, Repacked};
 pub use stored::Stored;
 
@@ -233,7 +235,7 @@ impl Atlas {
                 faces_of[placement.page].extend_from_slice(&chart.faces);
             }
             let certificate = judge.certificate(&faces_of)?;
-            let mut spoilt = judge.spoilt(&unwrapped.charts, &certificate)?;
+            let mut spoilt = judge.spoilt(proved(&unwrapped.charts), &certificate)?;
             spoilt.retain(|&i| !pieces[i].keeps_its_angle);
             if spoilt.is_empty() {
                 let metrics = judge.metrics(&faces_of.concat(), certificate, self.page)?;
@@ -328,6 +330,11 @@ impl Atlas {
         };
         Ok(keys.into_iter().map(number).collect())
     }
+}
+
+/// The faces of every chart, and what is proved of it.
+pub(crate) fn proved(charts: &[UnwrappedChart]) -> impl Iterator<Item = (&[FaceId], Proved)> {
+    charts.iter().map(|chart| (chart.faces.as_slice(), Proved::from(&*chart.metrics)))
 }
 
 /// The polygons that a chart covers.

@@ -20,7 +20,7 @@ pub(super) fn polygons(
 
 /// Closed ways along the edges that an odd number of triangles have. Where two boundaries meet in a point, it does not
 /// matter which way goes on: what is inside an odd number of loops is the same.
-fn boundary_loops<Id: Copy + Ord + Hash>(triangles: impl Iterator<Item = [Id; 3]>) -> Vec<Vec<Id>> {
+pub(super) fn boundary_loops<Id: Copy + Ord + Hash>(triangles: impl Iterator<Item = [Id; 3]>) -> Vec<Vec<Id>> {
     let mut edges: Vec<[Id; 2]> =
         triangles.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).map(|[a, b]| [a.min(b), a.max(b)]).collect();
     edges.sort_unstable();

@@ -1,10 +1,10 @@
 //! What was meant by charts: the options, checked.
 
-use super::args::{ChartArgs, SeamsFrom};
+use super::args::{ChartArgs, InnerMargin, SeamsFrom};
 use super::packing::atlas_of;
 use super::targets::{check_extension, is_gltf};
 use super::usage::usage;
-use abf::{Atlas, AtlasPages, SeamRule, Unwrap};
+use abf::{Atlas, AtlasPages, Parting, SeamRule, Unwrap};
 use clap::error::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +13,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Charting {
     pub(crate) unwrap: Unwrap,
     pub(crate) atlas: Atlas,
+    /// Why charts are parted for it, if they may be.
+    pub(crate) parting: Option<Parting>,
     pub(crate) seams: SeamsFrom,
     /// Whether disks are made charts, too.
     pub(crate) is_asked: bool,
@@ -68,6 +70,17 @@ impl Charting {
             return wrong(format!("--max-seam must be at least 0, got {length}"));
         }
         let packing = atlas_of(&args.packing)?;
+        if let Some(coverage) = args.coverage.filter(|c| !(*c > 0.0 && *c <= 1.0)) {
+            return wrong(format!("--coverage must be in (0, 1], got {coverage}"));
+        }
+        if let Some(budget) = args.seam_budget.filter(|b| !(*b >= 0.0 && b.is_finite())) {
+            return wrong(format!("--seam-budget must be at least 0, got {budget}"));
+        }
+        let seam_budget = args.seam_budget.unwrap_or(Parting::default().seam_budget);
+        let keeps_inner_margin = args.inner_margin == Some(InnerMargin::Keep);
+        let max_stretch = args.max_stretch.unwrap_or(unwrap.max_stretch);
+        let parting = Parting { coverage: args.coverage, seam_budget, keeps_inner_margin, max_stretch };
+        let parting = (args.coverage.is_some() || keeps_inner_margin).then_some(parting);
         for (option, path, extension) in [("--seam-lines", &args.seam_lines, "obj"), ("--remap", &args.remap, "json")] {
             if let Some(path) = path {
                 check_extension(option, path, &[extension])?;
@@ -92,6 +105,7 @@ impl Charting {
                 ..unwrap
             },
             atlas: packing,
+            parting,
             seams,
             is_asked,
             disks_only: args.disks_only,

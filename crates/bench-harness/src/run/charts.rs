@@ -10,7 +10,7 @@ use crate::run::load::Loaded;
 use crate::run::progress::Progress;
 use abf::cut::RepairReport;
 use abf::{
-    AtlasPages, Developed, Metrics, Pipeline, Placement, Precision, Stored, SurfaceHints, Unwrap, Unwrapped,
+    AtlasPages, Developed, Metrics, Parted, Pipeline, Placement, Precision, Stored, SurfaceHints, Unwrap, Unwrapped,
     UnwrappedChart,
 };
 use abf_mesh::UvMap;
@@ -74,26 +74,54 @@ pub(crate) fn charts(
     let stored = stored(charting.to_gltf, pipeline.precision);
     let failed = |error| Failure::atlas(&loaded.name, &error);
     progress.say("packing");
+    let materials = known.materials.as_deref();
+    let is_for_uvs = sheet.is_some_and(|sheet| sheet.is_for_uvs);
+    let (unwrapped, packed) = match &charting.parting {
+        _ if is_for_uvs => (unwrapped, None),
+        None => {
+            let packed = charting.atlas.pack(mesh, &unwrapped, materials, stored).map_err(failed)?;
+            (unwrapped, Some((packed, [0; 2])))
+        }
+        Some(parting) => {
+            let known = (materials, hints.forbidden);
+            let Parted { unwrapped, packed, for_coverage, for_margin } =
+                charting.atlas.pack_parting(mesh, unwrapped, known, stored, parting).map_err(failed)?;
+            (unwrapped, Some((packed, [for_coverage, for_margin])))
+        }
+    };
     let laid = sheet.map(|sheet| sheet.pattern.lay_stored(mesh, &unwrapped, stored)).transpose().map_err(failed)?;
     let drawn = laid.as_ref().filter(|_| sheet.is_some_and(|sheet| sheet.is_drawn)).map(|laid| laid.developed(mesh));
-    let (uv, metrics, record) = match laid.filter(|_| sheet.is_some_and(|sheet| sheet.is_for_uvs)) {
-        Some(laid) => {
+    let (uv, metrics, record) = match (packed, laid) {
+        (None, Some(laid)) => {
             let coverage = laid.metrics.uv_area / laid.size.iter().product::<f64>();
             let record = record((&unwrap, charting), &unwrapped, &laid.placements, coverage, progress);
             (laid.uv, laid.metrics, AtlasRecord { sheet: Some(laid.size), ..record })
         }
-        None => {
-            let packed = charting.atlas.pack(mesh, &unwrapped, known.materials.as_deref(), stored).map_err(failed)?;
+        (Some((packed, cuts)), _) => {
             let record = record((&unwrap, charting), &unwrapped, &packed.placements, packed.coverage, progress);
             let (page, margin) = (Some(charting.atlas.page), Some(charting.atlas.margin));
             let narrow = Narrow::new(&packed.narrow);
             let texels_per_unit = Some(packed.texels_per_unit);
-            let record = AtlasRecord { pages: packed.pages, page, narrow, margin, texels_per_unit, ..record };
+            let mut repairs = record.repairs;
+            repairs.extend(cuts_said(cuts));
+            let record = AtlasRecord { pages: packed.pages, page, narrow, margin, texels_per_unit, repairs, ..record };
             (packed.uv, packed.metrics, record)
         }
+        (None, None) => unreachable!("without a sheet, charts are packed"),
     };
     let (turned, shared) = (unwrapped.turned.len(), unwrapped.shared);
     Ok(Charts { uv, metrics, sheet: drawn, record, seams: unwrapped.seams, turned, shared, charts_s })
+}
+
+/// What was cut when charts were packed.
+fn cuts_said([for_coverage, for_margin]: [usize; 2]) -> impl Iterator<Item = String> {
+    let said = |cuts: usize, why: &str| (cuts > 0).then(|| format!("{} {why}", count(cuts, "chart", "charts")));
+    [
+        said(for_coverage, "parted to cover more (--coverage)"),
+        said(for_margin, "parted to keep the margin inside (--inner-margin)"),
+    ]
+    .into_iter()
+    .flatten()
 }
 
 /// What a file makes of UVs, and what is proved of them there.

@@ -134,6 +134,43 @@ fn a_gltf_and_a_ply_are_packed_anew() {
 }
 
 #[test]
+fn help_of_pack_speaks_of_islands() {
+    let help = run_on("pack --help", &[]).stdout;
+    assert!(help.contains("Islands:") && help.contains("Texels per unit of the UVs as they are"), "{help}");
+    assert!(!help.contains("Charts:") && !help.contains("charts"), "{help}");
+    assert!(run_on("--help", &[]).stdout.contains("Texels per unit of the mesh"));
+}
+
+#[test]
+fn overlapping_islands_stay_together_and_stretched_ones_keep_their_shape() {
+    let folder = Folder::new();
+    // The second square lies over the first, and is twice as long as wide.
+    let text = SQUARES
+        .replace("vt 0.9 0.9\nvt 0.9 1\nvt 0.8 1\nvt 0.8 0.9\n", "vt 0.05 0\nvt 0.25 0\nvt 0.25 0.1\nvt 0.05 0.1\n");
+    let (mesh, out) = (folder.file("in.obj", &text), folder.path("out.obj"));
+    let ran = run_on(&format!("pack -o {} --json -", out.display()), &[&mesh]);
+    let repacked = ran.result()["repacked"].clone();
+    assert_eq!(
+        (&repacked["islands"], &repacked["pieces"], &repacked["overlapping"]),
+        (&2.into(), &1.into(), &2.into())
+    );
+    assert!(ran.stderr.contains("overlap") || ran.result()["overlaps"].as_u64() > Some(0), "{}", ran.stderr);
+    let corners: Vec<[f64; 2]> = std::fs::read_to_string(&out)
+        .expect("written")
+        .lines()
+        .filter_map(|line| line.strip_prefix("vt "))
+        .map(|line| line.split(' ').map(|x| x.parse().expect("a number")).collect::<Vec<f64>>())
+        .map(|pair| [pair[0], pair[1]])
+        .collect();
+    let length = |a: usize, b: usize| (corners[a][0] - corners[b][0]).hypot(corners[a][1] - corners[b][1]);
+    let (square, stretched) = (length(0, 1), [length(4, 5), length(5, 6)]);
+    assert!((length(1, 2) / square - 1.0).abs() < 1e-9);
+    assert!((stretched[0] / square - 2.0).abs() < 1e-9 && (stretched[1] / square - 1.0).abs() < 1e-9, "{corners:?}");
+    // Where they lie over each other, they do so as before.
+    assert!((length(0, 4) / square - 0.5).abs() < 1e-9, "{corners:?}");
+}
+
+#[test]
 fn what_cannot_be_packed_anew_is_refused_with_the_next_step() {
     let folder = Folder::new();
     let bare = folder.file("bare.obj", surfaces::torus());
@@ -154,10 +191,64 @@ fn what_cannot_be_packed_anew_is_refused_with_the_next_step() {
         ("--resolution 6 --margin 3", "--margin must be at most a quarter of --resolution 6, got 3"),
         ("--remap r.json", "--remap concerns a glTF"),
         ("--max-pages 0", "--max-pages must be at least 1"),
+        ("--resolution 64 --margin 33", "--margin must be at most a quarter of --resolution 64, got 33"),
+        ("--texels-per-unit 0", "--texels-per-unit must be positive, got 0"),
     ] {
         let ran = run_on(&format!("pack {options}"), &[&mesh]);
         assert!(ran.code == 2 && ran.stderr.contains(said), "{options}: {}", ran.stderr);
     }
     let same = run_on(&format!("pack -o {}", mesh.display()), &[&mesh]);
     assert!(same.code == 2 && same.stderr.contains("would replace the file that is read"), "{}", same.stderr);
+}
+
+#[test]
+fn the_largest_chart_is_parted_where_that_covers_more() {
+    let folder = Folder::new();
+    let mesh = folder.file("ring.obj", ring());
+    let out = folder.path("out.obj");
+    let on = |options: &str| {
+        let ran = run_on(&format!("--cut-disks --resolution 256 {options} --json - -o {}", out.display()), &[&mesh]);
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        ran.result()
+    };
+    let figure = |result: &serde_json::Value, name: &str| result["atlas"][name].as_f64().expect("a number");
+    let (before, after) = (on(""), on("--coverage 0.6 --seam-budget 0.5"));
+    assert!(figure(&before, "coverage") < 0.5 && figure(&after, "coverage") > 1.2 * figure(&before, "coverage"));
+    assert_eq!(after["injective"], true);
+    let said = after["atlas"]["repairs"].to_string();
+    assert!(said.contains("parted to cover more (--coverage)"), "{said}");
+    let charts = |result: &serde_json::Value| result["atlas"]["charts"].as_array().map(Vec::len);
+    assert!(charts(&after) > charts(&before));
+    // Without a seam the half of the boundary counts as one: that of an arch of radii 4 and 5.
+    let boundary = 0.5 * (std::f64::consts::PI * 9.0 + 2.0);
+    assert!(figure(&after, "seam_length") <= 0.5 * boundary, "{}", after["atlas"]);
+    let written = run_on("metrics --json -", &[&out]).result();
+    assert_eq!((&written["injective"], &written["charts"]), (&true.into(), &charts(&after).into()));
+    assert_eq!(on("--coverage 0.6 --seam-budget 0")["atlas"]["seam_length"], before["atlas"]["seam_length"]);
+    for (options, part) in [
+        ("--coverage 0", "--coverage must be in (0, 1], got 0"),
+        ("--coverage 0.5 --seam-budget -1", "--seam-budget must be at least 0, got -1"),
+        ("--seam-budget 1", "--coverage"),
+    ] {
+        let ran = run_on(options, &[&mesh]);
+        assert!(ran.code == 2 && ran.stderr.contains(part), "{options}: {}", ran.stderr);
+    }
+}
+
+/// A flat half of a ring with radii 4 and 5.
+fn ring() -> String {
+    let (steps, rows) = (60, 4);
+    let mut points = Vec::new();
+    for i in 0..=steps {
+        let angle = std::f64::consts::PI * f64::from(i) / f64::from(steps);
+        points.extend(
+            (0..=rows).map(|k| 4.0 + f64::from(k) / f64::from(rows)).map(|r| [r * angle.cos(), r * angle.sin(), 0.0]),
+        );
+    }
+    let at = |i: i32, k: i32| (i * (rows + 1) + k) as usize;
+    let squares = (0..steps).flat_map(|i| (0..rows).map(move |k| (i, k)));
+    let faces: Vec<[usize; 3]> = squares
+        .flat_map(|(i, k)| [[at(i, k), at(i, k + 1), at(i + 1, k + 1)], [at(i, k), at(i + 1, k + 1), at(i + 1, k)]])
+        .collect();
+    surfaces::obj(&points, &faces)
 }

@@ -3,6 +3,7 @@
 use super::method::one_of;
 use super::packing::{CHARTS, PackingArgs};
 use abf::{DoubleSided, HoleRule, UnknownName, Weld};
+use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::fmt;
 use std::path::PathBuf;
@@ -56,6 +57,16 @@ pub(crate) struct ChartArgs {
     /// How they are laid out.
     #[command(flatten)]
     pub(crate) packing: PackingArgs,
+    /// Part the largest chart along edges where that lets charts cover more, until they cover C of the atlas
+    #[arg(long, hide_short_help = true, value_name = "C", help_heading = CHARTS)]
+    pub(crate) coverage: Option<f64>,
+    /// By which part seams may grow for --coverage [default: 0.25]
+    #[arg(long, hide_short_help = true, value_name = "B", requires = "coverage", help_heading = CHARTS)]
+    pub(crate) seam_budget: Option<f64>,
+    /// What becomes of charts that come nearer to themselves than the margin: they are counted, or parted there
+    /// [default: count]
+    #[arg(long, hide_short_help = true, value_name = "count|keep", help_heading = CHARTS)]
+    pub(crate) inner_margin: Option<InnerMargin>,
     /// Write the seams as lines: obj
     #[arg(long, hide_short_help = true, value_name = "FILE", help_heading = CHARTS)]
     pub(crate) seam_lines: Option<PathBuf>,
@@ -68,6 +79,16 @@ pub(crate) struct ChartArgs {
 }
 
 impl ChartArgs {
+    /// The first option beside those of packing that was given and concerns pages.
+    pub(crate) fn first_of_pages(&self) -> Option<&'static str> {
+        let given = [
+            ("--max-chart-length", self.max_chart_length.is_some()),
+            ("--coverage", self.coverage.is_some()),
+            ("--inner-margin", self.inner_margin.is_some()),
+        ];
+        given.into_iter().find(|(_, is_given)| *is_given).map(|(option, _)| option)
+    }
+
     /// Whether charts are asked for, whatever the mesh is.
     pub(crate) fn is_asked(&self) -> bool {
         let Self { seams, holes, max_stretch, max_seam, cut_disks, weld, strict, crease_angle, .. } = self;
@@ -83,9 +104,20 @@ impl ChartArgs {
             || self.overlap.is_some()
             || self.max_chart_length.is_some()
             || self.packing.is_given()
+            || self.coverage.is_some()
+            || self.inner_margin.is_some()
             || self.seam_lines.is_some()
             || self.remap.is_some()
     }
+}
+
+/// What becomes of charts that come nearer to themselves than the margin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum InnerMargin {
+    /// They are counted
+    Count,
+    /// They are parted there
+    Keep,
 }
 
 /// Where seams come from.

@@ -98,13 +98,32 @@ impl FromStr for PageSize {
     }
 }
 
+/// The heading of the options of islands.
+const ISLANDS: &str = "Islands";
+
+/// An option of charts in the words of `pack`.
+fn of_islands(arg: clap::Arg) -> clap::Arg {
+    let arg = if arg.get_help_heading() == Some(CHARTS) { arg.help_heading(ISLANDS) } else { arg };
+    match arg.get_id().as_str() {
+        "atlas" => arg.help("Which islands share a unit square [default: one]"),
+        "margin" => arg.help("Texels between islands; auto is what the mip levels need [default: 2]"),
+        "mip_levels" => arg.help("Keep islands apart in mip levels up to K: 2 · 2^K texels"),
+        "max_pages" => arg.help("How many pages the islands may take that share pages [default: 1]"),
+        "texels_per_unit" => {
+            arg.help("Texels per unit of the UVs as they are, on as many pages as that takes [default: as many as fit]")
+        }
+        _ => arg,
+    }
+}
+
 /// The arguments of `pack`.
 #[derive(Debug, clap::Args)]
+#[command(mut_args = of_islands)]
 pub(crate) struct PackArgs {
     #[arg(value_name = "MESH", help = format!("A file with UVs: {}", MeshFormat::list(MeshFormat::has_uvs, " or ")))]
     pub(crate) mesh: PathBuf,
     /// Lay islands of one shape upon each other, turned but not mirrored
-    #[arg(long, help_heading = CHARTS)]
+    #[arg(long, help_heading = ISLANDS)]
     pub(crate) stack: bool,
     /// How islands are laid out.
     #[command(flatten)]

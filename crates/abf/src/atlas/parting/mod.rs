@@ -1,0 +1,194 @@
+//! Charts in two, where that lets an atlas cover more, or keeps the margin inside of a chart.
+
+mod cut;
+mod split;
+
+use super::{Atlas, AtlasError, Packed, Stored, outline_of};
+use crate::unwrap::{Unwrapped, UnwrappedChart};
+use abf_control::SettingError;
+use abf_mesh::TriMesh;
+use abf_metrics::Precision;
+use abf_pack::{Effort, PackSettings, Piece, pack};
+use abf_parallel::prelude::*;
+use cut::Cut;
+use split::Splitter;
+
+/// Why charts are parted when they are packed, and what that may cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct Parting {
+    /// The part of the pages that charts are to cover, in (0, 1]. Without it no chart is parted for that.
+    pub coverage: Option<f64>,
+    /// By which part the seams may grow for coverage, at least 0. Without a seam, the half of the boundary counts as one.
+    pub seam_budget: f64,
+    /// Whether charts are parted where they come nearer to themselves than the margin.
+    pub keeps_inner_margin: bool,
+    /// A chart stays whole where a part would have more L² stretch than the chart and this.
+    pub max_stretch: f64,
+}
+
+impl Default for Parting {
+    fn default() -> Self {
+        Self { coverage: None, seam_budget: 0.25, keeps_inner_margin: false, max_stretch: f64::INFINITY }
+    }
+}
+
+/// Charts that were parted, and their atlas.
+#[derive(Clone, Debug)]
+pub struct Parted {
+    /// The charts, parts in the place of those that were parted. Parts keep their UVs.
+    pub unwrapped: Unwrapped,
+    /// Where they are.
+    pub packed: Packed,
+    /// Cuts that were made for coverage.
+    pub for_coverage: usize,
+    /// Cuts that were made for the margin inside of charts.
+    pub for_margin: usize,
+}
+
+/// Cuts of one chart that are tried in full, the most promising first.
+const TRIES: usize = 6;
+/// By how much a cut must let the atlas cover more.
+const GAIN: f64 = 1.01;
+/// Quick packings that may be made to rate the cuts of a chart, times the charts in each; one packing of many charts
+/// takes as long as many of few.
+const RATINGS: usize = 12_000;
+
+impl Atlas {
+    /// Packs charts as [`Self::pack`] does, and parts charts along edges.
+    ///
+    /// For coverage the largest chart is parted as long as that lets the atlas cover more, until it covers what is aimed
+    /// at or the budget is spent. Cuts go between points of the outer boundary of a chart, along shortest paths. Each is
+    /// rated by a quick packing of the outlines, and the best of them by the packing that was asked for.
+    ///
+    /// For the margin a chart is parted where a cut separates the two sides of a place that is too narrow. Narrow holes
+    /// stay as they are.
+    ///
+    /// `materials` are those of [`Self::pack`]. `forbidden` says for every corner of the mesh whether the edge that it
+    /// faces may not be a seam.
+    ///
+    /// # Errors
+    /// [`AtlasError`].
+    pub fn pack_parting(
+        &self,
+        mesh: &TriMesh,
+        unwrapped: Unwrapped,
+        (materials, forbidden): (Option<&[u32]>, Option<&[bool]>),
+        stored: (Stored, Precision),
+        parting: &Parting,
+    ) -> Result<Parted, AtlasError> {
+        parting.check()?;
+        let uv = unwrapped.uv();
+        let turned = unwrapped.turned.clone();
+        let mut splitter = Splitter::new(mesh, &turned, &uv, (forbidden, stored.1, parting.max_stretch));
+        let packed = self.pack(mesh, &unwrapped, materials, stored)?;
+        let mut parted = Parted { unwrapped, packed, for_coverage: 0, for_margin: 0 };
+        let again = |unwrapped: &Unwrapped| self.pack(mesh, unwrapped, materials, stored);
+        if let Some(aim) = parting.coverage {
+            let budget = parting.seam_budget * splitter.seam_length(&parted.unwrapped);
+            self.cover(&mut splitter, &mut parted, (aim, budget), &again)?;
+        }
+        while parting.keeps_inner_margin && self.part_narrow(&mut splitter, &mut parted)? {
+            parted.packed = again(&parted.unwrapped)?;
+        }
+        Ok(parted)
+    }
+
+    /// Parts the largest chart until the atlas covers so much, or no cut within the budget is worth it.
+    fn cover(
+        &self,
+        splitter: &mut Splitter<'_>,
+        parted: &mut Parted,
+        (aim, mut budget): (f64, f64),
+        again: &dyn Fn(&Unwrapped) -> Result<Packed, AtlasError>,
+    ) -> Result<(), AtlasError> {
+        while parted.packed.coverage < aim {
+            let Some((chart, cuts)) = self.cuts(splitter, &parted.unwrapped, budget) else { break };
+            let mut gained = None;
+            for cut in cuts.iter().take(TRIES) {
+                let Some(unwrapped) = splitter.parted(&parted.unwrapped, chart, cut)? else { continue };
+                let packed = again(&unwrapped)?;
+                if packed.coverage > GAIN * parted.packed.coverage {
+                    gained = Some((unwrapped, packed, cut.length));
+                    break;
+                }
+            }
+            let Some((unwrapped, packed, length)) = gained else { break };
+            budget -= length;
+            *parted = Parted { unwrapped, packed, for_coverage: parted.for_coverage + 1, ..*parted };
+        }
+        Ok(())
+    }
+
+    /// The largest chart, and the cuts of it that are no longer than `most`, the most promising first.
+    fn cuts(&self, splitter: &Splitter<'_>, unwrapped: &Unwrapped, most: f64) -> Option<(usize, Vec<Cut>)> {
+        let area = |chart: &UnwrappedChart| chart.metrics.uv_area;
+        let all = unwrapped.charts.iter().enumerate();
+        let (largest, chart) = all.max_by(|a, b| area(a.1).total_cmp(&area(b.1)).then(b.0.cmp(&a.0)))?;
+        let sheet = splitter.sheet(chart)?;
+        let others = unwrapped.charts.iter().enumerate().filter(|&(i, _)| i != largest);
+        let others: Vec<Piece> =
+            others.map(|(_, chart)| Piece { polygons: outline_of(chart), ..Piece::default() }).collect();
+        let settings = PackSettings {
+            page: self.page,
+            margin: f64::from(self.margin),
+            effort: Effort::Fast,
+            pages: self.max_pages,
+            ..PackSettings::default()
+        };
+        let scale = |cut: &Cut| {
+            let mut pieces = others.clone();
+            pieces.extend(sheet.sides(cut).map(|ring| Piece::new(vec![ring])));
+            pack(&pieces, &settings).map_or(0.0, |packing| packing.texels_per_unit)
+        };
+        let mut cuts = sheet.across(most);
+        cuts.truncate((RATINGS / unwrapped.charts.len()).max(TRIES));
+        let mut rated: Vec<(f64, usize)> = cuts.par_iter().map(scale).enumerate().map(|(i, s)| (s, i)).collect();
+        rated.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        Some((largest, rated.into_iter().map(|(_, i)| cuts[i].clone()).collect()))
+    }
+
+    /// Parts the charts that are too narrow somewhere, as often as that leaves fewer such places at the scale of the atlas.
+    fn part_narrow(&self, splitter: &mut Splitter<'_>, parted: &mut Parted) -> Result<bool, AtlasError> {
+        let within = f64::from(self.margin) / parted.packed.texels_per_unit;
+        let mut narrow: Vec<usize> = parted.packed.narrow.iter().map(|place| place.chart).collect();
+        narrow.sort_unstable();
+        narrow.dedup();
+        let before = parted.for_margin;
+        // From the last one on, so that parts do not change the numbers of those that wait.
+        while let Some(chart) = narrow.pop() {
+            let Some(sheet) = splitter.sheet(&parted.unwrapped.charts[chart]) else { continue };
+            for cut in sheet.between_narrow_sides(within) {
+                if let Some(unwrapped) = splitter.parted(&parted.unwrapped, chart, &cut)? {
+                    parted.unwrapped = unwrapped;
+                    parted.for_margin += 1;
+                    narrow.extend([chart, chart + 1]);
+                    break;
+                }
+            }
+        }
+        Ok(parted.for_margin > before)
+    }
+}
+
+impl Parting {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// [`AtlasError::Setting`].
+    pub fn check(&self) -> Result<(), AtlasError> {
+        if let Some(coverage) = self.coverage.filter(|c| !(*c > 0.0 && *c <= 1.0)) {
+            return Err(SettingError::new("coverage", "in (0, 1]", coverage).into());
+        }
+        if !(self.seam_budget >= 0.0 && self.seam_budget.is_finite()) {
+            return Err(SettingError::new("seam budget", "a finite number, at least 0", self.seam_budget).into());
+        }
+        if !(self.max_stretch >= 1.0) {
+            return Err(SettingError::new("max stretch", "at least 1", self.max_stretch).into());
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

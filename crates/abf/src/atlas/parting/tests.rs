@@ -1,0 +1,105 @@
+use super::*;
+use crate::{SurfaceHints, Unwrap};
+use abf_control::Silent;
+use abf_mesh::Point3;
+use std::f64::consts::PI;
+
+/// A flat strip along a half circle with radii 4 and 5, or one that is less wide; `turn` is how far it goes.
+fn arch(turn: f64, inner: f64) -> TriMesh {
+    let (steps, rows) = (96_usize, 4_usize);
+    let mut points = Vec::new();
+    for i in 0..=steps {
+        let angle = turn * i as f64 / steps as f64;
+        let radii = (0..=rows).map(|k| inner + (5.0 - inner) * k as f64 / rows as f64);
+        points.extend(radii.map(|r| Point3::new(r * angle.cos(), r * angle.sin(), 0.0)));
+    }
+    let at = |i: usize, k: usize| i * (rows + 1) + k;
+    let squares = (0..steps).flat_map(|i| (0..rows).map(move |k| (i, k)));
+    let faces: Vec<[usize; 3]> = squares
+        .flat_map(|(i, k)| [[at(i, k), at(i, k + 1), at(i + 1, k + 1)], [at(i, k), at(i + 1, k + 1), at(i + 1, k)]])
+        .collect();
+    TriMesh::new(points, &faces).expect("indices in range")
+}
+
+fn charts_of(mesh: &TriMesh) -> Unwrapped {
+    let unwrap = Unwrap { cut_disks: true, ..Unwrap::default() };
+    unwrap.run(mesh, &SurfaceHints::default(), &mut Silent).expect("charts")
+}
+
+fn run(mesh: &TriMesh, forbidden: Option<&[bool]>, parting: &Parting) -> Parted {
+    let atlas = Atlas { page: [256; 2], ..Atlas::default() };
+    let stored: (Stored, Precision) = (|p| p, Precision::Double);
+    atlas.pack_parting(mesh, charts_of(mesh), (None, forbidden), stored, parting).expect("an atlas")
+}
+
+/// Every face is in one chart, charts have the edges of the mesh, and seams are where UVs differ.
+fn check(mesh: &TriMesh, parted: &Parted) {
+    let charts = &parted.unwrapped.charts;
+    let mut faces: Vec<usize> = charts.iter().flat_map(|chart| &chart.faces).map(|f| f.index()).collect();
+    faces.sort_unstable();
+    assert!(faces.into_iter().eq(0..mesh.face_count()));
+    assert!(parted.packed.metrics.injective());
+    let lengths: f64 = parted.unwrapped.seams.iter().map(|&edge| split::length(mesh, edge)).sum();
+    assert!((lengths - parted.unwrapped.seam_length).abs() < 1e-9 * lengths.max(1.0));
+    // Every seam has a part on both sides here.
+    let of_charts: f64 = charts.iter().map(|chart| chart.seam_length).sum();
+    assert!((of_charts - 2.0 * lengths).abs() < 1e-9 * lengths.max(1.0), "{of_charts} {lengths}");
+}
+
+#[test]
+fn an_arch_in_parts_covers_more_within_its_budget() {
+    let mesh = arch(PI, 4.0);
+    let whole = run(&mesh, None, &Parting::default());
+    assert_eq!((whole.for_coverage, whole.for_margin, whole.unwrapped.charts.len()), (0, 0, 1));
+    let parting = Parting { coverage: Some(0.6), seam_budget: 0.5, ..Parting::default() };
+    let parted = run(&mesh, None, &parting);
+    assert!(parted.packed.coverage > 1.2 * whole.packed.coverage, "{}", parted.packed.coverage);
+    assert_eq!(parted.unwrapped.charts.len(), 1 + parted.for_coverage);
+    // Without a seam the half of the boundary counts as one.
+    let boundary = 0.5 * (9.0 * PI + 2.0);
+    assert!(parted.unwrapped.seam_length > 0.0 && parted.unwrapped.seam_length <= 0.5 * boundary);
+    check(&mesh, &parted);
+    let none = run(&mesh, None, &Parting { seam_budget: 0.0, ..parting });
+    assert_eq!((none.for_coverage, none.packed.coverage), (0, whole.packed.coverage));
+}
+
+#[test]
+fn edges_that_may_not_be_seams_are_not_cut() {
+    let mesh = arch(PI, 4.0);
+    // Every diagonal: in the first triangle of a square it faces corner 1, in the second one corner 2.
+    let forbidden: Vec<bool> = (0..mesh.face_count()).flat_map(|f| [false, f % 2 == 0, f % 2 == 1]).collect();
+    let parting = Parting { coverage: Some(0.9), seam_budget: 1.0, ..Parting::default() };
+    let parted = run(&mesh, Some(&forbidden), &parting);
+    assert!(parted.for_coverage > 0);
+    let is_diagonal = |[a, b]: [abf_mesh::VertexId; 2]| b.index() - a.index() == 6;
+    assert!(!parted.unwrapped.seams.iter().any(|&edge| is_diagonal(edge)));
+    check(&mesh, &parted);
+    let all = vec![true; 3 * mesh.face_count()];
+    assert_eq!(run(&mesh, Some(&all), &parting).for_coverage, 0);
+}
+
+#[test]
+fn a_ring_that_nearly_closes_is_parted_to_keep_the_margin() {
+    let mesh = arch(2.0 * PI - 0.01, 2.0);
+    let before = run(&mesh, None, &Parting::default());
+    assert_eq!(before.packed.narrow.len(), 1);
+    let parted = run(&mesh, None, &Parting { keeps_inner_margin: true, ..Parting::default() });
+    assert_eq!((parted.packed.narrow.len(), parted.for_margin, parted.unwrapped.charts.len()), (0, 1, 2));
+    // One cut across, no longer than that takes.
+    assert!((parted.unwrapped.seam_length - 3.0).abs() < 1e-9, "{}", parted.unwrapped.seam_length);
+    check(&mesh, &parted);
+}
+
+#[test]
+fn numbers_out_of_their_range_are_refused_by_name() {
+    let good = Parting::default();
+    for (parting, name) in [
+        (Parting { coverage: Some(0.0), ..good }, "coverage"),
+        (Parting { coverage: Some(f64::NAN), ..good }, "coverage"),
+        (Parting { seam_budget: -1.0, ..good }, "seam budget"),
+        (Parting { max_stretch: 0.5, ..good }, "max stretch"),
+    ] {
+        let error = parting.check().unwrap_err();
+        assert!(error.to_string().starts_with(name), "{error}");
+    }
+}
