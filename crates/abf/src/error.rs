@@ -42,6 +42,12 @@ pub enum FlattenError {
     /// The descent moves vertices and has no angles to lay out.
     #[error("the descent places the vertices itself: it cannot use the layout '{0}'")]
     DescentLayout(LayoutKind),
+    /// Only some solvers keep what is asked of the boundary.
+    #[error("the solver '{0}' does not keep a boundary rule: auto, linabf and barrier do")]
+    BoundarySolver(SolverKind),
+    /// A rule is for the boundary of one disk, and seams make boundaries of their own.
+    #[error("the boundary rule '{0}' is for one disk without holes, uncut, and this makes charts")]
+    BoundaryCharts(String),
     /// LSCM is a least squares layout and has no angles to integrate.
     #[error("lscm is a least squares layout: it cannot use the layout '{0}'")]
     LscmLayout(LayoutKind),

@@ -35,8 +35,33 @@ pub struct Flattening {
     pub shapeless_faces: usize,
     /// How near the UVs are to what doubles can hold; `None` where there is room to spare.
     pub precision_limits: Option<PrecisionLimits>,
+    /// What became of the boundary that was asked for; `None` where it was free.
+    pub boundary: Option<BoundaryReport>,
     /// Every solver that was tried, in order, by [`SolverKind::Auto`]; empty for the others.
     pub rungs: Vec<RungReport>,
+}
+
+/// What the boundary of a map is like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundaryReport {
+    /// In how many rounds it was solved for; more than one for a circle only.
+    pub rounds: usize,
+    /// The corners of the rectangle, in the order of the boundary where they were found.
+    pub corners: Option<[u32; 4]>,
+    /// The lengths of its sides, from corner to corner in the order of the boundary.
+    pub sides: Option<[f64; 4]>,
+    /// By how much the angle sums of the UVs miss what was asked for, rad: the largest difference. Above 1e-6 a solve that
+    /// converged is [`Termination::Stalled`]: doubles do not hold what its angles have.
+    pub violation: f64,
+    /// The largest angle of the boundary, measured on the UVs, rad.
+    pub largest_angle: f64,
+    /// The largest distance of a boundary vertex from the centre of the circle that fits best, over the smallest; `None`
+    /// where there is no such circle.
+    pub radius_spread: Option<f64>,
+    /// Whether the map is injective because it is valid, its boundary turns once and no angle of the boundary is above π
+    /// by more than 1e-6 rad. A curve that only turns to the left, once, does not meet itself, and a map without flips
+    /// inside such a curve does not overlap. The overlap test of the certificate is exact and does not use this.
+    pub injective_by_convexity: bool,
 }
 
 /// What one solver of the ladder [`SolverKind::Auto`] came to.

@@ -34,7 +34,7 @@ mod unwrap;
 
 pub use abf_mesh as mesh;
 
-pub use abf_constraints::{GuessSettings, KktCounts, WheelForm};
+pub use abf_constraints::{Boundary, BoundaryAngle, GuessSettings, KktCounts, WheelForm};
 pub use abf_control::{
     Cancelled, Event, Fallback, IterationRecord, Observer, SettingError, Silent, Stage, StopCriteria, Termination,
     UnknownName, UnwrapProgress, Verdict,
@@ -52,7 +52,7 @@ pub use atlas::{
     Atlas, AtlasError, AtlasPages, NarrowPlace, Packed, Parted, Parting, Placement, Repack, Repacked, Stored,
 };
 pub use error::FlattenError;
-pub use flattening::{Flattening, LayoutReport, RungReport};
+pub use flattening::{BoundaryReport, Flattening, LayoutReport, RungReport};
 pub use judge::{JudgeError, JudgeSettings, Judgement, judge};
 pub use pattern::{Developed, Laid, Orient, Pattern};
 pub use precision_limits::PrecisionLimits;
@@ -64,8 +64,9 @@ pub use unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrappe
 /// The constraints as functions of angles, for solvers of your own; settings and counts are at the root of the crate.
 pub mod constraints {
     pub use abf_constraints::{
-        AngleProblem, ConstraintRows, Jacobian, ProblemError, RESIDUAL_CLAMP, TriangleReduction, TriangleRows,
-        WheelDerivative, angles_out_of_range, largest, linearise, max_residual, residual,
+        AngleProblem, BadAngle, BadAngleCause, BoundaryConditions, BoundaryError, ConstraintRows, Jacobian,
+        ProblemError, RESIDUAL_CLAMP, TriangleReduction, TriangleRows, WheelDerivative, angles_out_of_range,
+        boundary_loop, largest, linearise, max_residual, residual,
     };
 }
 

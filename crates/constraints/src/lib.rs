@@ -16,7 +16,7 @@
 //! | μ | `multipliers` | Lagrange multipliers, in the order of `h` | nt + 2 ni |
 //!
 //! Where things are: `problem.rs` targets and the initial guess · `rows.rs` which constraint is which row
-//! · `residual.rs` the three families · `wheel.rs` the wheel condition and its derivative ·
+//! · `boundary/` what is asked of the boundary · `residual.rs` the three families · `wheel.rs` the wheel condition and its derivative ·
 //! `jacobian.rs` all of `J` as a sparse matrix · `reduction.rs` the elimination of a triangle's own
 //! row that every method shares.
 //!
@@ -24,6 +24,7 @@
 //! Based Flattening*; VMV04 = the same, *Efficient Iterative Solvers for Angle Based Flattening*;
 //! LinABF = Zayer, Lévy, Seidel 2007.
 
+mod boundary;
 mod counts;
 mod jacobian;
 mod per_corner;
@@ -33,6 +34,9 @@ mod residual;
 mod rows;
 mod wheel;
 
+pub use boundary::{
+    BadAngle, BadAngleCause, Boundary, BoundaryAngle, BoundaryConditions, BoundaryError, DEFAULT_BELOW, boundary_loop,
+};
 pub use counts::KktCounts;
 pub use jacobian::Jacobian;
 pub use problem::{AngleProblem, GuessSettings, ProblemError};

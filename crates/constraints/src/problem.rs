@@ -1,6 +1,6 @@
 //! Targets, weights and the initial guess.
 
-use crate::ConstraintRows;
+use crate::{BoundaryConditions, BoundaryError, ConstraintRows};
 use abf_control::SettingError;
 use abf_mesh::{CornerId, DiskError, Topology, VertexId};
 use abf_parallel::prelude::*;
@@ -94,6 +94,9 @@ pub enum ProblemError {
     /// A setting outside its range.
     #[error(transparent)]
     Setting(#[from] SettingError),
+    /// A boundary that no map of this surface has.
+    #[error(transparent)]
+    Boundary(#[from] BoundaryError),
 }
 
 /// A disk with the angles to come close to and the place to start from.
@@ -111,6 +114,7 @@ pub struct AngleProblem<'a> {
     shapeless_faces: usize,
     /// How many angles of the surface are beyond the bounds and may stay there.
     thin_corners: usize,
+    boundary: Option<BoundaryConditions>,
 }
 
 impl<'a> AngleProblem<'a> {
@@ -185,7 +189,35 @@ impl<'a> AngleProblem<'a> {
             clamped_angles,
             shapeless_faces,
             thin_corners,
+            boundary: None,
         })
+    }
+
+    /// The same with conditions on the boundary. Only some solvers keep them; the residual of a solution tells.
+    #[must_use]
+    pub fn with_boundary(mut self, boundary: Option<BoundaryConditions>) -> Self {
+        self.boundary = boundary;
+        self
+    }
+
+    /// The same, started from these angles, one per corner, rad; they are kept inside the bounds. Targets and weights
+    /// stay as they are.
+    ///
+    /// # Panics
+    /// If there is not one angle per corner.
+    #[must_use]
+    pub fn with_initial_guess(mut self, angles: Vec<f64>) -> Self {
+        assert_eq!(angles.len(), self.initial_guess.len(), "one angle per corner");
+        self.initial_guess = angles;
+        self.clamped_angles = clamp(&self.settings, &self.mesh_angles, self.thin_corners, &mut self.initial_guess);
+        self.switched_rings = 0;
+        self
+    }
+
+    /// The conditions on the boundary, if there are any.
+    #[must_use]
+    pub fn boundary(&self) -> Option<&BoundaryConditions> {
+        self.boundary.as_ref()
     }
 
     /// Who meets whom.

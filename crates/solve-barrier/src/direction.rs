@@ -3,10 +3,11 @@
 use crate::curvature::convex;
 use crate::dual::BoundMultipliers;
 use crate::iterate::Iterate;
+use crate::slack;
 use crate::system::StepSystem;
 use abf_constraints::AngleProblem;
 use abf_control::Checkpoint;
-use abf_solve_core::{Hessian, KktVector, LinearError, LinearStats, add_transposed_product};
+use abf_solve_core::{Hessian, KktVector, LinearError, LinearStats};
 
 /// What every eigenvalue of a triangle's form keeps of that of `2w + z_lo/x + z_hi/(π − x)`.
 const CONVEXITY: f64 = 1e-2;
@@ -39,7 +40,7 @@ impl Direction {
         let (lambda, negative) = diagonal(problem, hessian, iterate, multipliers, bounds);
         let of_objective = iterate.gradient(problem, barrier);
         let mut gradient = of_objective.clone();
-        add_transposed_product(problem.topology(), problem.rows(), &iterate.wheel, multipliers, &mut gradient);
+        slack::add_transposed(problem, &iterate.wheel, multipliers, &mut gradient);
         let mut step = KktVector::default();
         let linear = system.solve(problem, iterate, &lambda, &gradient, &mut step, checkpoint)?;
         let slope = of_objective.iter().zip(&step.delta).map(|(g, d)| g * d).sum();
@@ -56,7 +57,8 @@ fn diagonal(
     bounds: &BoundMultipliers,
 ) -> (Vec<f64>, usize) {
     let (x, weight) = (&iterate.angles, problem.weight());
-    let mut lambda: Vec<f64> = (0..x.len()).map(|c| 2.0 * weight[c] + bounds.curvature(c, x[c])).collect();
+    let mut lambda: Vec<f64> =
+        (0..x.len()).map(|c| weight.get(c).map_or(0.0, |w| 2.0 * w) + bounds.curvature(c, x[c])).collect();
     if hessian == Hessian::GaussNewton {
         return (lambda, 0);
     }

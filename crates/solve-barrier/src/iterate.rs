@@ -1,13 +1,15 @@
 //! Angles with everything that is evaluated at them.
 
+use crate::slack;
 use abf_constraints::{AngleProblem, WheelDerivative, linearise};
 use std::f64::consts::PI;
 
 /// Angles strictly inside (0, π), the constraints there and what they cost.
 #[derive(Clone, Debug)]
 pub(crate) struct Iterate {
+    /// The angles, and the slacks of the boundary behind them.
     pub(crate) angles: Vec<f64>,
-    /// h, wheels in the log form.
+    /// h, wheels in the log form, and the rows of the boundary behind it.
     pub(crate) residual: Vec<f64>,
     pub(crate) wheel: WheelDerivative,
     /// `θ = ‖h‖₁`, rad.
@@ -20,7 +22,8 @@ pub(crate) struct Iterate {
 
 impl Iterate {
     pub(crate) fn new(problem: &AngleProblem<'_>, angles: Vec<f64>) -> Self {
-        let (residual, wheel) = linearise(problem.rows(), &angles);
+        let (mut residual, wheel) = linearise(problem.rows(), &angles[..slack::corner_count(problem)]);
+        residual.extend(slack::residual(problem, &angles));
         Self {
             violation: residual.iter().map(|h| h.abs()).sum(),
             energy: problem.energy(&angles),
@@ -44,7 +47,11 @@ impl Iterate {
     /// `dφ/dx`.
     pub(crate) fn gradient(&self, problem: &AngleProblem<'_>, barrier: f64) -> Vec<f64> {
         let (target, weight) = (problem.target(), problem.weight());
+        let of_bounds = |&x: &f64| -barrier / x + barrier / (PI - x);
+        let mut gradient: Vec<f64> = self.angles.iter().map(of_bounds).collect();
         let of = |(c, &x): (usize, &f64)| 2.0 * weight[c] * (x - target[c]) - barrier / x + barrier / (PI - x);
-        self.angles.iter().enumerate().map(of).collect()
+        let corners = self.angles.iter().enumerate().take(target.len());
+        gradient.iter_mut().zip(corners.map(of)).for_each(|(g, own)| *g = own);
+        gradient
     }
 }

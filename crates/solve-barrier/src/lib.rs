@@ -35,6 +35,8 @@
 //! optimum of ABF where that is not degenerate. Angles below the clamp of the reported residual (1e-9) end a solve as
 //! [`Termination::Stalled`](abf_control::Termination::Stalled).
 //!
+//! Upper bounds on angle sums at the boundary have slacks in (0, π), kept there by the same barrier: `slack.rs`.
+//!
 //! What no setting helps against: a drawing whose triangles differ in size by more than doubles can hold has valid angles, and
 //! no valid coordinates.
 
@@ -47,6 +49,7 @@ mod path;
 mod restore;
 mod run;
 mod search;
+mod slack;
 mod system;
 
 use crate::run::BarrierRun;
@@ -147,6 +150,10 @@ impl AngleSolver for Barrier {
             }
         }
         Ok(())
+    }
+
+    fn keeps_boundary(&self) -> bool {
+        true
     }
 
     fn solve(

@@ -8,10 +8,11 @@ use crate::iterate::Iterate;
 use crate::path::nearer_end;
 use crate::restore::restored;
 use crate::search::{Search, entry};
+use crate::slack;
 use crate::system::StepSystem;
 use abf_constraints::{AngleProblem, largest};
 use abf_control::{Cancelled, Checkpoint, Fallback, IterationRecord, StopCriteria, Termination, Watch};
-use abf_solve_core::{LinearError, SolveError, add_transposed_product, constraint_residual};
+use abf_solve_core::{LinearError, SolveError, constraint_residual};
 use std::f64::consts::PI;
 
 /// How far from 0 and π a start keeps, rad: nothing is known yet that would justify less.
@@ -81,6 +82,8 @@ impl<'p, 'a> BarrierRun<'p, 'a> {
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
         let clamped = problem.clamped_angles() + pushed_inside(&mut angles);
+        slack::append(problem, &mut angles);
+        pushed_inside(&mut angles);
         let system = StepSystem::new(problem, checkpoint)?;
         let iterate = Iterate::new(problem, angles);
         let barrier = settings.barrier_start;
@@ -88,7 +91,7 @@ impl<'p, 'a> BarrierRun<'p, 'a> {
             settings,
             problem,
             system,
-            multipliers: vec![0.0; problem.rows().len()],
+            multipliers: vec![0.0; slack::row_count(problem)],
             bounds: BoundMultipliers::centred(&iterate.angles, barrier),
             barrier,
             floor: settings.barrier_floor,
@@ -126,7 +129,8 @@ impl<'p, 'a> BarrierRun<'p, 'a> {
                 break end;
             }
         };
-        let angles = if termination.is_as_asked() { self.iterate.angles } else { self.best };
+        let mut angles = if termination.is_as_asked() { self.iterate.angles } else { self.best };
+        angles.truncate(slack::corner_count(self.problem));
         Ok((angles, termination, self.history))
     }
 
@@ -197,9 +201,9 @@ impl<'p, 'a> BarrierRun<'p, 'a> {
         let x = &self.iterate.angles;
         let (target, weight) = (self.problem.target(), self.problem.weight());
         let of = |c: usize| 2.0 * weight[c] * (x[c] - target[c]) + self.bounds.gradient(c);
-        let mut gradient: Vec<f64> = (0..x.len()).map(of).collect();
-        let (topology, rows) = (self.problem.topology(), self.problem.rows());
-        add_transposed_product(topology, rows, &self.iterate.wheel, &self.multipliers, &mut gradient);
+        let mut gradient: Vec<f64> = (0..target.len()).map(of).collect();
+        gradient.extend((target.len()..x.len()).map(|s| self.bounds.gradient(s)));
+        slack::add_transposed(self.problem, &self.iterate.wheel, &self.multipliers, &mut gradient);
         let dual = gradient.iter().zip(x).fold(0.0, |most: f64, (g, &x)| most.max((g * nearer_end(x)).abs()));
         let complementarity = self.bounds.complementarity(x, self.barrier);
         Errors { dual, complementarity, primal: largest(&self.iterate.residual) }

@@ -1,10 +1,11 @@
 //! The linear system of a step, factorised once and solved for several right-hand sides.
 
 use crate::iterate::Iterate;
+use crate::slack;
 use abf_constraints::AngleProblem;
 use abf_control::Checkpoint;
 use abf_linalg::{Cholesky, LinearError, LinearStats, Refinement, SymbolicCholesky, SymmetricMatrix};
-use abf_solve_core::{KktSystem, KktVector, ReducedSystem};
+use abf_solve_core::{BoundaryTerms, KktSystem, KktVector, ReducedSystem};
 use std::sync::Arc;
 
 /// `[Λ Jᵀ; J 0] [δ; Δλ] = −[g; h]`, `Λ > 0`, by a Cholesky factorisation of the reduced system. `DirectStep` factorises at
@@ -16,17 +17,21 @@ pub(crate) struct StepSystem {
     matrix: SymmetricMatrix<f64>,
     rhs: Vec<f64>,
     factors: Option<Cholesky<f64>>,
+    /// Which rows of the boundary there are.
+    active: Vec<bool>,
 }
 
 impl StepSystem {
     pub(crate) fn new(problem: &AngleProblem<'_>, checkpoint: &mut Checkpoint<'_>) -> Result<Self, LinearError> {
-        let reduced = ReducedSystem::asking(problem.topology(), problem.rows(), checkpoint)?;
+        let reduced = ReducedSystem::with_boundary(problem.topology(), problem.rows(), problem.boundary(), checkpoint)?;
         checkpoint()?;
         let symbolic = SymbolicCholesky::analyse(Arc::clone(reduced.pattern()))?;
         checkpoint()?;
         let matrix = SymmetricMatrix::zeros(Arc::clone(reduced.pattern()));
         let rhs = vec![0.0; matrix.size()];
-        Ok(Self { reduced, symbolic, matrix, rhs, factors: None })
+        let dropped = |j| problem.boundary().is_some_and(|conditions| conditions.dropped() == Some(j));
+        let active = (0..problem.boundary().map_or(0, |conditions| conditions.len())).map(|j| !dropped(j)).collect();
+        Ok(Self { reduced, symbolic, matrix, rhs, factors: None, active })
     }
 
     /// Factorises for a new `Λ` and iterate, and solves.
@@ -68,17 +73,25 @@ impl StepSystem {
         out: &mut KktVector,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<LinearStats, LinearError> {
+        let corners = slack::corner_count(problem);
+        let (left, compliance) = slack::eliminated(problem, lambda, gradient, residual);
+        let terms = problem.boundary().map(|conditions| BoundaryTerms {
+            conditions,
+            active: &self.active,
+            residual: &left,
+            compliance: &compliance,
+        });
         let kkt = KktSystem {
             topology: problem.topology(),
             rows: problem.rows(),
-            lambda,
-            gauss_newton: lambda,
+            lambda: &lambda[..corners],
+            gauss_newton: &lambda[..corners],
             off_diagonal: None,
             wheel: &iterate.wheel,
             gradient,
             residual,
         };
-        self.reduced.assemble_asking(&kkt, &mut self.matrix, &mut self.rhs, checkpoint)?;
+        self.reduced.assemble_bounded(&kkt, terms.as_ref(), &mut self.matrix, &mut self.rhs, checkpoint)?;
         let factors = match self.factors.take() {
             Some(factors) => factors,
             None => self.symbolic.factorise(&self.matrix)?,
@@ -87,7 +100,12 @@ impl StepSystem {
         let stats = factors.solve_asking(&self.matrix, &mut self.rhs, Refinement::default(), checkpoint)?;
         self.factors = Some(factors);
         checkpoint()?;
-        self.reduced.back_substitute(&kkt, &self.rhs, out);
+        self.reduced.back_substitute_bounded(&kkt, terms.as_ref(), &self.rhs, out);
+        if let Some(conditions) = problem.boundary() {
+            let changes = self.reduced.of_boundary(problem.rows(), conditions, &self.rhs);
+            slack::append_steps(problem, lambda, gradient, &changes, &mut out.delta);
+            out.multipliers.extend(changes);
+        }
         Ok(stats)
     }
 }

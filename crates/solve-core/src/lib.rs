@@ -16,6 +16,7 @@
 //! A solver cannot grade its own work: [`AngleSolution::measure`] is the only way to make a
 //! solution, and it computes the constraint residual from the angles.
 
+mod bounded;
 mod constraints;
 mod correction;
 mod direct;
@@ -34,6 +35,7 @@ mod test_support;
 mod wheels;
 
 pub use abf_linalg::{LinearError, LinearStats};
+pub use bounded::BoundedStep;
 pub use constraints::{add_transposed_product, constraint_residual};
 pub use correction::{FrozenStep, LeastCorrection, Linearisation};
 pub use direct::DirectStep;
@@ -43,7 +45,7 @@ pub use kkt::{KktStep, KktSystem, KktVector, ProductCurvature, StepError, StepRe
 pub use line_search::{BoundRule, LineSearch};
 pub use newton::{InnerTolerance, NewtonSettings};
 pub use preconditioner::Preconditioning;
-pub use reduced::ReducedSystem;
+pub use reduced::{BoundaryTerms, ReducedSystem};
 pub use schur::{ConstraintProducts, SchurComplement};
 pub use solution::AngleSolution;
 pub use solver::{AngleSolver, SolveError};

@@ -1,19 +1,40 @@
 //! The reduced system `S μ_R = r`: vertex and wheel multipliers only.
 
 use crate::{KktSystem, KktVector, LinearError};
-use abf_constraints::{ConstraintRows, TriangleReduction, TriangleRows};
+use abf_constraints::{BoundaryConditions, ConstraintRows, TriangleReduction, TriangleRows};
 use abf_control::{Cancelled, Checkpoint, at_block};
 use abf_linalg::{Graph, Permutation, SymmetricMatrix, SymmetricPattern};
-use abf_mesh::{CornerId, FaceId, Topology};
+use abf_mesh::{CornerId, FaceId, Topology, VertexId};
 use std::sync::Arc;
 
-/// Marks an edge of a triangle with an end on the boundary: it has no block in `S`.
+/// Marks an edge of a triangle with an end that has no row: it has no block in `S`.
 const NO_BLOCK: u32 = u32::MAX;
+
+/// The rows of boundary vertices in a step: `B δ − C μ_B = −r`, with `B` the sums at the vertices. An upper bound with a
+/// slack is such a row, and one that is not active has no multiplier.
+#[derive(Clone, Copy, Debug)]
+pub struct BoundaryTerms<'a> {
+    /// Which vertices.
+    pub conditions: &'a BoundaryConditions,
+    /// Which rows there are at all, one per condition.
+    pub active: &'a [bool],
+    /// `r = Σ x − b` (with a slack `+ s` and what else its elimination leaves), rad.
+    pub residual: &'a [f64],
+    /// The diagonal of `C`, at least 0; empty for zero.
+    pub compliance: &'a [f64],
+}
+
+impl BoundaryTerms<'_> {
+    fn active_row(&self, vertex: VertexId) -> Option<usize> {
+        self.conditions.place(vertex).filter(|&j| self.active[j])
+    }
+}
 
 /// The pattern of `S` and the place of every triangle in it, made once per topology.
 ///
 /// `S` has a 2 × 2 block (vertex, wheel) for every interior vertex and every edge between two of
-/// them. The vertices are ordered to keep the fill low, each then takes two unknowns in a row.
+/// them. The vertices are ordered to keep the fill low, each then takes two unknowns in a row. Boundary vertices that
+/// have conditions come after the interior ones, by number; they have no wheel, and a one in its place.
 #[derive(Debug)]
 pub struct ReducedSystem {
     graph: Graph,
@@ -41,12 +62,30 @@ impl ReducedSystem {
         rows: &ConstraintRows,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
-        let graph = Graph::from_edges(rows.interior_count(), interior_edges(topology, rows));
+        Self::with_boundary(topology, rows, None, checkpoint)
+    }
+
+    /// The system with a row for every boundary vertex that has a condition.
+    ///
+    /// # Errors
+    /// As `new`, and [`LinearError::Cancelled`].
+    pub fn with_boundary(
+        topology: &Topology,
+        rows: &ConstraintRows,
+        boundary: Option<&BoundaryConditions>,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
+        let number = |v: VertexId| {
+            let on_boundary = || boundary.and_then(|b| b.place(v)).map(|j| rows.interior_count() + j);
+            rows.interior_index(v).or_else(on_boundary)
+        };
+        let count = rows.interior_count() + boundary.map_or(0, BoundaryConditions::len);
+        let graph = Graph::from_edges(count, edges(topology, number));
         checkpoint()?;
         let order = graph.amd()?;
         checkpoint()?;
         let pattern = Arc::new(SymmetricPattern::of_blocks(&graph, &order, 2));
-        let interior = |c: CornerId| rows.interior_index(topology.vertex(c));
+        let interior = |c: CornerId| number(topology.vertex(c));
         let mut edge_slot = Vec::with_capacity(topology.face_count());
         for f in topology.faces() {
             at_block(f.index(), checkpoint)?;
@@ -113,6 +152,24 @@ impl ReducedSystem {
         rhs: &mut [f64],
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<(), Cancelled> {
+        self.assemble_bounded(kkt, None, matrix, rhs, checkpoint)
+    }
+
+    /// [`ReducedSystem::assemble_asking`] with rows of boundary vertices: those this system was made with.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    ///
+    /// # Panics
+    /// As `assemble`.
+    pub fn assemble_bounded(
+        &self,
+        kkt: &KktSystem<'_>,
+        boundary: Option<&BoundaryTerms<'_>>,
+        matrix: &mut SymmetricMatrix<f64>,
+        rhs: &mut [f64],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(), Cancelled> {
         assert!(Arc::ptr_eq(matrix.pattern(), &self.pattern), "a matrix of this system");
         matrix.values.fill(0.0);
         for i in 0..kkt.rows.interior_count() {
@@ -120,9 +177,12 @@ impl ReducedSystem {
             rhs[u] = kkt.residual[kkt.rows.vertex(i)];
             rhs[u + 1] = kkt.residual[kkt.rows.wheel(i)];
         }
+        if let Some(terms) = boundary {
+            self.begin_boundary(kkt, terms, matrix, rhs);
+        }
         for face in kkt.topology.faces() {
             at_block(face.index(), checkpoint)?;
-            let local = LocalSystem::new(kkt, face);
+            let local = LocalSystem::new(kkt, boundary, face);
             let block = local.rows.schur_block(&local.reduction);
             self.scatter(&local.rows, face, &block, &mut matrix.values);
             self.scatter_rhs(&local, kkt, rhs);
@@ -130,8 +190,37 @@ impl ReducedSystem {
         Ok(())
     }
 
+    /// What the rows of boundary vertices have besides their triangles. One that is not active has no multiplier.
+    fn begin_boundary(
+        &self,
+        kkt: &KktSystem<'_>,
+        terms: &BoundaryTerms<'_>,
+        matrix: &mut SymmetricMatrix<f64>,
+        rhs: &mut [f64],
+    ) {
+        for (j, &active) in terms.active.iter().enumerate() {
+            let u = self.unknown(kkt.rows.interior_count() + j);
+            let own = if active { terms.compliance.get(j).copied().unwrap_or(0.0) } else { 1.0 };
+            matrix.values[self.pattern.column(u).start] = own;
+            matrix.values[self.pattern.column(u + 1).start] = 1.0;
+            rhs[u] = if active { terms.residual[j] } else { 0.0 };
+            rhs[u + 1] = 0.0;
+        }
+    }
+
     /// Everything else of the step from the solution of the reduced system: `δ` and all multipliers.
     pub fn back_substitute(&self, kkt: &KktSystem<'_>, solution: &[f64], out: &mut KktVector) {
+        self.back_substitute_bounded(kkt, None, solution, out);
+    }
+
+    /// [`ReducedSystem::back_substitute`] with rows of boundary vertices. Their multipliers: [`ReducedSystem::of_boundary`].
+    pub fn back_substitute_bounded(
+        &self,
+        kkt: &KktSystem<'_>,
+        boundary: Option<&BoundaryTerms<'_>>,
+        solution: &[f64],
+        out: &mut KktVector,
+    ) {
         out.delta.resize(kkt.lambda.len(), 0.0);
         out.multipliers.resize(kkt.rows.len(), 0.0);
         for i in 0..kkt.rows.interior_count() {
@@ -140,7 +229,7 @@ impl ReducedSystem {
             out.multipliers[kkt.rows.wheel(i)] = solution[u + 1];
         }
         for face in kkt.topology.faces() {
-            let local = LocalSystem::new(kkt, face);
+            let local = LocalSystem::new(kkt, boundary, face);
             let of = |part: usize| local.rows.interior.map(|i| i.map_or(0.0, |i| solution[self.unknown(i) + part]));
             let back = local.rows.apply_transposed(of(0), of(1));
             let q = [0, 1, 2].map(|k| local.gradient[k] + back[k]);
@@ -149,6 +238,12 @@ impl ReducedSystem {
             }
             out.multipliers[kkt.rows.triangle(face)] = local.reduction.multiplier(local.residual, q);
         }
+    }
+
+    /// The multipliers of the rows of `boundary` in a solution of the reduced system.
+    #[must_use]
+    pub fn of_boundary(&self, rows: &ConstraintRows, boundary: &BoundaryConditions, solution: &[f64]) -> Vec<f64> {
+        (0..boundary.len()).map(|j| solution[self.unknown(rows.interior_count() + j)]).collect()
     }
 
     /// Adds one triangle's 6 × 6 block to the lower triangle of `S`.
@@ -175,7 +270,7 @@ impl ReducedSystem {
     }
 
     fn scatter_rhs(&self, local: &LocalSystem, kkt: &KktSystem<'_>, rhs: &mut [f64]) {
-        debug_assert_eq!(rhs.len(), 2 * kkt.rows.interior_count());
+        debug_assert!(rhs.len() >= 2 * kkt.rows.interior_count());
         let (vertex, wheel) = local.rows.apply(local.reduction.opposite_change(local.gradient, local.residual));
         for (k, i) in local.rows.interior.into_iter().enumerate() {
             if let Some(u) = i.map(|i| self.unknown(i)) {
@@ -196,25 +291,32 @@ struct LocalSystem {
 
 impl LocalSystem {
     #[inline]
-    fn new(kkt: &KktSystem<'_>, face: FaceId) -> Self {
+    fn new(kkt: &KktSystem<'_>, boundary: Option<&BoundaryTerms<'_>>, face: FaceId) -> Self {
         let at = |values: &[f64]| face.corners().map(|c| values[c.index()]);
+        let mut rows = TriangleRows::new(kkt.topology, kkt.rows, kkt.wheel, face);
+        if let Some(terms) = boundary {
+            for (place, c) in rows.interior.iter_mut().zip(face.corners()) {
+                let row = || terms.active_row(kkt.topology.vertex(c)).map(|j| kkt.rows.interior_count() + j);
+                *place = place.or_else(row);
+            }
+        }
         Self {
             reduction: TriangleReduction::new(at(kkt.lambda)),
-            rows: TriangleRows::new(kkt.topology, kkt.rows, kkt.wheel, face),
+            rows,
             gradient: at(kkt.gradient),
             residual: kkt.residual[kkt.rows.triangle(face)],
         }
     }
 }
 
-/// Every edge between two interior vertices, once, as their numbers among the interior ones.
-fn interior_edges<'a>(
+/// Every edge between two vertices that have a number, once, as their numbers.
+fn edges<'a>(
     topology: &'a Topology,
-    rows: &'a ConstraintRows,
+    number: impl Fn(VertexId) -> Option<usize> + Clone + 'a,
 ) -> impl Iterator<Item = (u32, u32)> + Clone + 'a {
-    (0..topology.corner_count()).map(CornerId::new).filter_map(|c| {
+    (0..topology.corner_count()).map(CornerId::new).filter_map(move |c| {
         let once = topology.opposite(c).is_none_or(|o| c < o);
-        let ends = [c.next(), c.prev()].map(|end| rows.interior_index(topology.vertex(end)));
+        let ends = [c.next(), c.prev()].map(|end| number(topology.vertex(end)));
         match ends {
             [Some(a), Some(b)] if once => Some((a as u32, b as u32)),
             _ => None,

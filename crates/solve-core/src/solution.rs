@@ -27,7 +27,8 @@ impl AngleSolution {
         history: Vec<IterationRecord>,
     ) -> Self {
         assert_eq!(angles.len(), problem.topology().corner_count(), "one angle per corner");
-        let constraint_residual = max_residual(problem.topology(), problem.rows(), &angles);
+        let off = problem.boundary().map_or(0.0, |boundary| boundary.violation(problem.topology(), &angles));
+        let constraint_residual = max_residual(problem.topology(), problem.rows(), &angles).max(off);
         let angles_out_of_range = angles_out_of_range(&angles);
         let energy = problem.energy(&angles);
         Self { angles, termination, history, constraint_residual, angles_out_of_range, energy }
@@ -45,7 +46,7 @@ impl AngleSolution {
         self.termination
     }
 
-    /// `max |h|` of the angles in the log form, rad, measured.
+    /// `max |h|` of the angles in the log form, rad, measured; the conditions on the boundary are part of it.
     #[must_use]
     pub fn constraint_residual(&self) -> f64 {
         self.constraint_residual

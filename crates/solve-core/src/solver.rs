@@ -52,6 +52,11 @@ pub trait AngleSolver: Send + Sync {
         Ok(())
     }
 
+    /// Whether it keeps the conditions on the boundary that a problem may have.
+    fn keeps_boundary(&self) -> bool {
+        false
+    }
+
     /// Solves one problem.
     ///
     /// # Errors

@@ -17,6 +17,10 @@
 //! which is one quadratic step of the family with `Λ = 2/α²` and `g = 0`. The linearisation is off
 //! by the square of the error, so one pass is often all there is to do; further passes re-centre:
 //! they take the result, kept inside the angle bounds, as the next guess (end of §6).
+//!
+//! Conditions on the boundary are kept by an active set in every pass: `bounded.rs`.
+
+mod bounded;
 
 use abf_constraints::{AngleProblem, WheelDerivative, largest, linearise};
 use abf_control::{IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
@@ -101,6 +105,10 @@ impl AngleSolver for LinAbf {
         "linabf"
     }
 
+    fn keeps_boundary(&self) -> bool {
+        true
+    }
+
     fn solve(
         &self,
         problem: &AngleProblem<'_>,
@@ -108,6 +116,9 @@ impl AngleSolver for LinAbf {
         observer: &mut dyn Observer,
     ) -> Result<AngleSolution, SolveError> {
         stop.check()?;
+        if let Some(conditions) = problem.boundary() {
+            return bounded::solve(self, problem, conditions, stop, observer);
+        }
         let mut watch = Watch::start(stop, observer);
         let inner = self.inner(problem, stop, &mut watch)?;
         let first = linearise(problem.rows(), problem.initial_guess());
@@ -122,7 +133,8 @@ impl AngleSolver for LinAbf {
                 Err(StepError::Cancelled(cancelled)) => return Err(cancelled.into()),
                 Err(_) => break watch.interruption().unwrap_or(Termination::Cancelled),
             }
-            if let Some(end) = self.verdict(&run, stop).or(watch.interruption()) {
+            let standing = (run.history.len(), run.best_residual, run.passes_without_improvement);
+            if let Some(end) = self.verdict(standing, stop).or(watch.interruption()) {
                 break end;
             }
         };
@@ -151,19 +163,19 @@ impl LinAbf {
         })
     }
 
-    /// Whether the passes so far are enough.
-    fn verdict(&self, run: &LinAbfRun<'_, '_>, stop: &StopCriteria) -> Option<Termination> {
-        let done = run.history.len();
+    /// Whether the passes so far are enough: how many there were, their smallest residual, and how many of the last did
+    /// not improve it.
+    fn verdict(&self, (done, best, in_vain): (usize, f64, usize), stop: &StopCriteria) -> Option<Termination> {
         let limit = match self.passes {
             Passes::Auto => stop.max_iterations,
             Passes::Exactly(n) => n.get(),
         };
-        if run.best_residual <= stop.tolerance {
+        if best <= stop.tolerance {
             Some(Termination::Converged)
         } else if done >= limit {
             // One pass is a method of its own; a limit that happens to be 1 is a limit.
             Some(if self.passes == ONE_PASS { Termination::OnePass } else { Termination::MaxIterations })
-        } else if self.passes == Passes::Auto && run.passes_without_improvement >= PATIENCE {
+        } else if self.passes == Passes::Auto && in_vain >= PATIENCE {
             Some(Termination::Stalled)
         } else {
             None

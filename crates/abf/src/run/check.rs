@@ -2,6 +2,7 @@
 
 use crate::FlattenError;
 use crate::settings::{Ladder, Method, Pipeline, Solver};
+use abf_constraints::ProblemError;
 use abf_embed::Descent;
 use abf_reconstruct::LayoutKind;
 use abf_solve_core::AngleSolver;
@@ -14,6 +15,7 @@ impl Pipeline {
     pub fn check(&self) -> Result<(), FlattenError> {
         self.check_layout()?;
         self.initial_guess.check()?;
+        self.check_boundary()?;
         match self.solver.method() {
             Method::Ladder(Ladder { linabf, newton, barrier, descent }) => {
                 self.check_angles(&(*linabf).into(), linabf)?;
@@ -25,6 +27,20 @@ impl Pipeline {
             Method::Positions(descent) => self.check_descent(descent),
             // It is one linear solve: there is nothing to stop.
             Method::SurfaceAngles => Ok(()),
+        }
+    }
+
+    fn check_boundary(&self) -> Result<(), FlattenError> {
+        self.boundary.check().map_err(ProblemError::from)?;
+        let keeps = match self.solver.method() {
+            // It leaves out the solvers that do not.
+            Method::Ladder(_) => true,
+            Method::Angles(angles) => angles.keeps_boundary(),
+            Method::Positions(_) | Method::SurfaceAngles => false,
+        };
+        match self.boundary.is_free() || keeps {
+            true => Ok(()),
+            false => Err(FlattenError::BoundarySolver(self.solver.kind())),
         }
     }
 

@@ -3,7 +3,8 @@
 //! A rung is certified when its UVs are valid as they will be written *and* its solver ended as asked. The cheap rungs
 //! come first and give up early where they are hopeless; the last cannot leave the valid drawings. What is valid and
 //! not converged is kept, and the ladder goes on. When nothing is certified the best there is comes out: valid before
-//! not valid, then fewer bad triangles, then the smaller F.
+//! not valid, then fewer bad triangles, then the smaller F. With conditions on the boundary the rungs that do not keep
+//! them are left out.
 
 use super::check_memory;
 use super::task::{Given, Single, Task};
@@ -53,6 +54,9 @@ pub(super) fn climb(
     let observer = &mut Hearing { observer, is_aborted: false };
     let mut climb = Climb { mesh: given.original, best: None, rungs: Vec::new(), first_error: None };
     for LadderRung { solver, method, most_iterations } in rungs(ladder) {
+        if given.problem.boundary().is_some() && !method.keeps_boundary() {
+            continue;
+        }
         let kind = solver.kind();
         let interruption = climb.interruption(&budget, kind, observer);
         observer.aborted()?;

@@ -1,17 +1,20 @@
 //! From a mesh to its UVs.
 
+mod boundary;
 mod check;
+mod corners;
 mod ladder;
 mod task;
 mod thin;
 
 use crate::settings::{Method, Pipeline, Solver, SolverKind, ZeroArea, predict_memory};
 use crate::{FlattenError, Flattening};
-use abf_constraints::{AngleProblem, GuessSettings};
+use abf_constraints::{AngleProblem, BoundaryError, GuessSettings, ProblemError};
 use abf_control::{Event, Observer, Silent, Stage, TimeBudget, ask};
 use abf_mesh::{GeometryError, Topology, TriMesh};
-use abf_solve_linabf::LinAbf;
+use abf_solve_linabf::{LinAbf, Passes};
 use ladder::climb;
+use std::num::NonZeroUsize;
 use task::{Given, Single, Task, begin};
 
 /// What a surface has to be.
@@ -48,6 +51,9 @@ impl Pipeline {
 
     fn run_on(&self, mesh: &TriMesh, shape: Shape, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         self.check()?;
+        if matches!(shape, Shape::Any) && !self.boundary.is_free() {
+            return Err(ProblemError::from(BoundaryError::Holes).into());
+        }
         self.check_memory(mesh)?;
         let budget = TimeBudget::start(&self.stop);
         begin(observer, Stage::Topology)?;
@@ -77,6 +83,9 @@ impl Pipeline {
         };
         let problem = pose(self.initial_guess, angles.clone())?;
         ask(observer, Event::Working)?;
+        let solve = |problem: &AngleProblem<'_>, pipeline: &Self, observer: &mut dyn Observer| {
+            boundary::solve_bounded((pipeline, working), problem, &solve, observer)
+        };
         let flat = solve(&problem, self, observer);
         if problem.thin_corners() == 0 || !self.uses_the_initial_guess() || budget.is_spent() {
             return flat;
@@ -114,6 +123,11 @@ impl Pipeline {
     /// their turn.
     pub(crate) fn check_memory(&self, mesh: &TriMesh) -> Result<(), FlattenError> {
         match &self.solver {
+            // Rows of the boundary are solved for with a factorisation of the whole system.
+            Solver::Auto(_) | Solver::LinAbf(_) if !self.boundary.is_free() => {
+                let direct = LinAbf { passes: Passes::Exactly(NonZeroUsize::MIN) }.into();
+                check_memory(&direct, self.solver.kind(), self.max_memory, mesh)
+            }
             Solver::Auto(_) => check_memory(&lean(), SolverKind::Auto, self.max_memory, mesh),
             solver => check_memory(solver, solver.kind(), self.max_memory, mesh),
         }

@@ -1,12 +1,13 @@
 //! One solver on one problem, from angles or positions to certified UVs.
 
+use super::boundary::{MET, report};
 use crate::settings::{Pipeline, SolverKind};
 use crate::{FlattenError, Flattening, LayoutReport, PrecisionLimits};
 use abf_constraints::{AngleProblem, KktCounts, WheelForm};
 use abf_control::{Cancelled, Event, Observer, Stage, StopCriteria, Termination, Verdict, ask};
 use abf_embed::Descent;
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap};
-use abf_metrics::{Certificate, certify_connected_asking};
+use abf_metrics::{Certificate, Precision, certify_connected_asking};
 use abf_reconstruct::{Layout, LayoutKind, LayoutSettings, aligned, layout_asking};
 use abf_solve_core::{AngleSolution, AngleSolver};
 
@@ -32,6 +33,16 @@ pub(super) enum Single<'t> {
     Positions(&'t Descent),
     /// The angles of the surface are laid out as they are.
     SurfaceAngles,
+}
+
+impl Single<'_> {
+    /// Whether it keeps conditions on the boundary.
+    pub(super) fn keeps_boundary(self) -> bool {
+        match self {
+            Self::Angles(solver) => solver.keeps_boundary(),
+            Self::Positions(_) | Self::SurfaceAngles => false,
+        }
+    }
 }
 
 /// One solver on one problem.
@@ -183,17 +194,26 @@ impl<'t> Task<'t> {
             Single::Angles(_) => true,
             Single::Positions(_) | Single::SurfaceAngles => false,
         };
+        let (topology, is_valid) = (self.given.problem.topology(), certificate.valid());
+        let conditions = self.given.problem.boundary();
+        let boundary = conditions.map(|conditions| report(topology, conditions, &uv, is_valid));
+        let ended = solution.as_ref().map_or(Termination::OnePass, AngleSolution::termination);
+        // Where doubles cannot hold what the angles have, it is not there.
+        let is_missed = self.given.pipeline.precision == Precision::Double
+            && boundary.as_ref().is_some_and(|boundary| boundary.violation > MET);
+        let termination = if ended.is_as_asked() && is_missed { Termination::Stalled } else { ended };
         Flattening {
             uv,
             precision_limits: PrecisionLimits::of(&certificate, held),
             certificate,
             solver: self.solver,
-            termination: solution.as_ref().map_or(Termination::OnePass, AngleSolution::termination),
+            termination,
             layout,
             interior_vertices: self.given.problem.rows().interior_count(),
             kkt: [WheelForm::Log, WheelForm::Product].map(|form| KktCounts::of(form, self.given.problem.rows())),
             shapeless_faces: self.given.problem.shapeless_faces(),
             switched_rings: if starts_from_a_guess { self.given.problem.switched_rings() } else { 0 },
+            boundary,
             solution,
             rungs: Vec::new(),
         }

@@ -1,7 +1,7 @@
 //! Every setting of a flattening.
 
 use crate::settings::{Solver, ZeroArea};
-use abf_constraints::GuessSettings;
+use abf_constraints::{Boundary, GuessSettings};
 use abf_control::StopCriteria;
 use abf_metrics::Precision;
 use abf_reconstruct::LayoutSettings;
@@ -16,6 +16,10 @@ pub struct Pipeline {
     pub solver: Solver,
     /// What becomes of faces without area.
     pub zero_area: ZeroArea,
+    /// What the boundary is to look like. [`Solver::LinAbf`] and [`Solver::Barrier`] keep it, and [`Solver::Auto`] tries
+    /// these two then; other solvers refuse it, and so does [`Unwrap`](crate::Unwrap): it is for one disk, uncut.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Boundary::is_free"))]
+    pub boundary: Boundary,
     /// How the initial guess is made from the angles of the surface.
     pub initial_guess: GuessSettings,
     /// When the solver stops. A time limit is one for all solvers of [`Solver::Auto`] together; the number of

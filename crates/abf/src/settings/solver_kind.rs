@@ -127,6 +127,23 @@ impl SolverKind {
         }
     }
 
+    /// Whether it keeps what is asked of the boundary; of the ladder some of its solvers do. One of a user's own says so
+    /// itself: [`AngleSolver::keeps_boundary`](abf_solve_core::AngleSolver::keeps_boundary).
+    #[must_use]
+    pub const fn keeps_boundary(self) -> bool {
+        match self {
+            Self::Auto | Self::LinAbf | Self::Barrier | Self::Custom(_) => true,
+            Self::Abf
+            | Self::AbfPlusPlus
+            | Self::AbfNewton
+            | Self::AbfFixedTarget
+            | Self::Uzawa
+            | Self::Minres
+            | Self::Descent
+            | Self::Lscm => false,
+        }
+    }
+
     /// Whether a barrier keeps it away from angles of 0 and π.
     #[must_use]
     pub const fn has_a_barrier(self) -> bool {

@@ -343,6 +343,9 @@ impl Unwrap {
         {
             return wrong("weld", "a distance of at least 0", distance);
         }
+        if !self.pipeline.boundary.is_free() {
+            return Err(FlattenError::BoundaryCharts(self.pipeline.boundary.to_string()).into());
+        }
         Ok(self.pipeline.check()?)
     }
 }

@@ -1,6 +1,6 @@
 //! From the options of the solvers to one pipeline for each solver.
 
-use super::args::{MethodArgs, SolverChoice, names};
+use super::args::{BoundaryRule, MethodArgs, SolverChoice, names};
 use super::usage::usage;
 use crate::record::NotRun;
 use crate::record::failure::chain;
@@ -9,8 +9,11 @@ use abf::constraints::ProblemError;
 use abf::embed::EmbedError;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
-use abf::{FlattenError, GuessSettings, LayoutSettings, Pipeline, Solver, SolverKind, SolverParts, StopCriteria};
+use abf::{
+    Boundary, FlattenError, GuessSettings, LayoutSettings, Pipeline, Solver, SolverKind, SolverParts, StopCriteria,
+};
 use clap::error::ErrorKind;
+use std::fmt;
 use std::time::Duration;
 
 /// Above so many triangles the LU factorisation of the whole matrix takes minutes and gigabytes; who
@@ -78,7 +81,7 @@ struct Offer {
 }
 
 /// Every option that concerns some solvers only.
-fn offers(args: &MethodArgs) -> [Offer; 14] {
+fn offers(args: &MethodArgs) -> [Offer; 15] {
     let of = |concerns: fn(SolverKind) -> bool| move |name, is_given| Offer { name, is_given, concerns };
     let (angles, passes, inner) =
         (of(SolverKind::finds_angles), of(SolverKind::makes_passes), of(SolverKind::iterates_inside));
@@ -90,6 +93,7 @@ fn offers(args: &MethodArgs) -> [Offer; 14] {
         constrained("--tolerance", args.tolerance.is_some()),
         angles("--max-iterations", args.max_iterations.is_some()),
         angles("--time-limit", args.time_limit.is_some()),
+        of(SolverKind::keeps_boundary)("--boundary", args.boundary.is_some()),
         passes("--passes", args.passes.is_some()),
         barrier("--barrier-floor", args.barrier_floor.is_some()),
         fixed_target("--wheel", args.wheel.is_some()),
@@ -144,6 +148,7 @@ fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
     let (initial_guess, stop) = (GuessSettings::default(), StopCriteria::default());
     Ok(Pipeline {
         zero_area: args.zero_area,
+        boundary: args.boundary.as_ref().map(boundary).transpose()?.unwrap_or_default(),
         initial_guess: GuessSettings {
             ring_switch: args.ring_switch.map_or(initial_guess.ring_switch, |given| given.0),
             angle_bound: args.angle_bound.unwrap_or(initial_guess.angle_bound),
@@ -160,6 +165,19 @@ fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
         max_memory: args.max_memory.map(|size| size.0),
         ..Pipeline::default()
     })
+}
+
+/// A rule for the boundary; its file is read.
+fn boundary(rule: &BoundaryRule) -> Result<Boundary, clap::Error> {
+    let path = match rule {
+        BoundaryRule::Rule(boundary) => return Ok(boundary.clone()),
+        BoundaryRule::File(path) => path,
+    };
+    let refused = |cause: &dyn fmt::Display| {
+        usage(ErrorKind::ValueValidation, format!("--boundary: {}: {cause}", path.display()))
+    };
+    let text = std::fs::read_to_string(path).map_err(|error| refused(&error))?;
+    Boundary::read_angles(&text).map_err(|error| refused(&error))
 }
 
 fn seconds(limit: f64) -> Result<Duration, clap::Error> {
@@ -180,15 +198,16 @@ enum Refusal {
 fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from).to_vec();
     let triangle = TriMesh::new(points, &[[0, 1, 2]]).expect("indices in range");
-    // How little memory there is says nothing about the settings.
-    match (Pipeline { max_memory: None, ..pipeline.clone() }).run(&triangle, &mut abf::Silent) {
+    // How little memory there is says nothing about the settings, and neither does a boundary that a triangle cannot have.
+    let tried = Pipeline { max_memory: None, boundary: Boundary::Free, ..pipeline.clone() };
+    match pipeline.check().and_then(|()| tried.run(&triangle, &mut abf::Silent)) {
         Ok(_) => Ok(()),
         Err(FlattenError::Solve { source: error @ SolveError::Unsupported(_), .. }) => {
             Err(Refusal::Combination(error.to_string()))
         }
-        Err(error @ (FlattenError::LscmLayout(_) | FlattenError::DescentLayout(_))) => {
-            Err(Refusal::Combination(error.to_string()))
-        }
+        Err(
+            error @ (FlattenError::LscmLayout(_) | FlattenError::DescentLayout(_) | FlattenError::BoundarySolver(_)),
+        ) => Err(Refusal::Combination(error.to_string())),
         Err(error) => Err(Refusal::Setting(out_of_range(pipeline, &error).unwrap_or_else(|| chain(&error)))),
     }
 }
@@ -240,6 +259,7 @@ mod tests {
             let option = argument.get_long().expect("a long name");
             let sample = match option {
                 "passes" => "3",
+                "boundary" => "convex",
                 "wheel" => "log",
                 "hessian" => "exact",
                 "line-search" => "full",

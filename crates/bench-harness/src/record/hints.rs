@@ -124,6 +124,13 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
             FailureKind::DegenerateAngle,
             "remove or improve the triangles without area, for example by merging vertices",
         ),
+        FlattenError::Problem(ProblemError::Boundary(_)) => {
+            (FailureKind::Boundary, "change --boundary, or the faces it names; --boundary convex asks for less")
+        }
+        FlattenError::BoundarySolver(_) => (FailureKind::Setting, "take --solver auto, linabf or barrier"),
+        FlattenError::BoundaryCharts(_) => {
+            (FailureKind::Setting, "give it a disk, flattened without an atlas, or leave --boundary out")
+        }
         FlattenError::Problem(_) => (FailureKind::Internal, REPORT),
         FlattenError::Solve { source: SolveError::Linear(error), .. } => linear(error),
         FlattenError::Solve { .. } => (FailureKind::NoAngles, "try --solver lscm, or --solver auto"),

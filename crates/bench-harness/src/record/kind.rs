@@ -21,6 +21,8 @@ pub(crate) enum FailureKind {
     BadNumber,
     /// The mesh cannot be repaired.
     BeyondRepair,
+    /// No map of this mesh has the boundary asked for.
+    Boundary,
     /// The user stopped it.
     Cancelled,
     /// The file cannot be opened.

@@ -12,7 +12,7 @@ use super::not_run::NotRun;
 use super::quality::Quality;
 use super::repacked::Repacked;
 use super::result::Record;
-use super::run::{Limits, RunRecord, RungRecord, Solved};
+use super::run::{BoundaryMet, Limits, RunRecord, RungRecord, Solved};
 use super::settings::Asked;
 use super::size::{Kkt, Size};
 use super::surveyed::{About, Counts, FileState, LogHead, MadeWith, SurveyDocument, Surveyed};
@@ -172,6 +172,15 @@ impl Dice {
                 held_faces: dice.count(),
                 first_held_faces: dice.some(Self::count),
                 spread: dice.figure(),
+            }),
+            boundary: self.maybe(|dice| BoundaryMet {
+                rounds: dice.count(),
+                corners: dice.maybe(|dice| [0; 4].map(|_: u32| dice.count() as u32)),
+                sides: dice.maybe(|dice| [0; 4].map(|_: u32| dice.number())),
+                violation: dice.figure(),
+                largest_angle: dice.figure(),
+                radius_spread: dice.maybe(Self::number),
+                injective_by_convexity: dice.yes(),
             }),
         }
     }

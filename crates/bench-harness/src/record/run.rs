@@ -5,8 +5,8 @@ use super::settings::Asked;
 use super::text;
 use crate::record::failure::chain;
 use abf::{
-    Flattening, Hessian, LayoutKind, LayoutReport, Pipeline, PrecisionLimits, RungReport, SolveReport, SolverKind,
-    Termination, UnwrappedChart, WheelForm,
+    BoundaryReport, Flattening, Hessian, LayoutKind, LayoutReport, Pipeline, PrecisionLimits, RungReport, SolveReport,
+    SolverKind, Termination, UnwrappedChart, WheelForm,
 };
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
@@ -75,6 +75,44 @@ pub(crate) struct Solved {
     pub(crate) scaled: bool,
     /// How near the UVs are to what doubles can hold; `None` where there is room to spare.
     pub(crate) precision_limits: Option<Limits>,
+    /// What became of the boundary that was asked for; absent where it was free.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) boundary: Option<BoundaryMet>,
+}
+
+/// What became of the boundary that was asked for: see [`abf::BoundaryReport`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct BoundaryMet {
+    /// Solves with new conditions, of a circle.
+    pub(crate) rounds: usize,
+    /// The corners of a rectangle.
+    pub(crate) corners: Option<[u32; 4]>,
+    /// The lengths of its sides, UV units.
+    pub(crate) sides: Option<[f64; 4]>,
+    /// By how much the UVs miss what was asked for, rad.
+    #[serde(with = "figure")]
+    pub(crate) violation: f64,
+    /// The largest angle of the boundary, rad.
+    #[serde(with = "figure")]
+    pub(crate) largest_angle: f64,
+    /// The largest radius over the smallest.
+    pub(crate) radius_spread: Option<f64>,
+    /// Whether convexity proves that nothing overlaps.
+    pub(crate) injective_by_convexity: bool,
+}
+
+impl BoundaryMet {
+    fn new(report: &BoundaryReport) -> Self {
+        Self {
+            rounds: report.rounds,
+            corners: report.corners,
+            sides: report.sides.filter(|sides| sides.iter().all(|side| side.is_finite())),
+            violation: known(report.violation),
+            largest_angle: known(report.largest_angle),
+            radius_spread: finite(report.radius_spread),
+            injective_by_convexity: report.injective_by_convexity,
+        }
+    }
 }
 
 /// What one solver of the ladder came to.
@@ -154,7 +192,8 @@ impl RunRecord {
         let (report, layout) = (flat.solve_report(), &flat.layout);
         let solved = Solved::new(pipeline, (flat.solver, flat.termination), &report, layout, rungs);
         let precision_limits = flat.precision_limits.as_ref().map(Limits::new);
-        Self { settings: Asked::new(pipeline), solved: Solved { precision_limits, ..solved } }
+        let boundary = flat.boundary.as_ref().map(BoundaryMet::new);
+        Self { settings: Asked::new(pipeline), solved: Solved { precision_limits, boundary, ..solved } }
     }
 
     /// The report of a mesh in charts; `None` where there are none.
@@ -216,6 +255,7 @@ impl Solved {
             pinned: layout.pinned,
             scaled: layout.scaled,
             precision_limits: None,
+            boundary: None,
         }
     }
 
@@ -249,6 +289,7 @@ impl Solved {
             pinned: self.pinned && other.pinned,
             scaled: self.scaled && other.scaled,
             precision_limits: None,
+            boundary: None,
         }
     }
 }

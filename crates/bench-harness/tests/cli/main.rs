@@ -1,5 +1,6 @@
 //! The program as it is used: the real binary, real files, exit codes and streams.
 
+mod boundary;
 mod charts;
 mod compare;
 mod fixtures;

@@ -1,5 +1,6 @@
 //! The options of the solvers, and the values they take.
 
+use super::BoundaryRule;
 use crate::record::InnerAccuracy;
 use crate::record::misread::Misread;
 use abf::{
@@ -19,6 +20,7 @@ const ALL: &str = "all";
 /// A threshold that is none.
 const OFF: &str = "off";
 
+const BOUNDARY: &str = "Options of auto, linabf, barrier";
 const PASSES: &str = "Options of auto, linabf";
 const BARRIER: &str = "Options of auto, barrier, descent";
 const CONSTRAINTS: &str = "Options of every solver but descent and lscm";
@@ -64,6 +66,21 @@ pub(crate) struct MethodArgs {
     /// Stop after so long, all rungs of auto together, and lay out what there is
     #[arg(long, value_name = "SECONDS", help_heading = ANGLES)]
     pub(crate) time_limit: Option<f64>,
+
+    /// What the boundary is to be: free, convex, below-2pi[=EPS], rectangle[=v0,v1,v2,v3], circle or angles=FILE
+    /// [default: free]
+    ///
+    /// Vertices are counted from 0, angles are in rad. below-2pi keeps every angle of the boundary EPS below 2π (0.01).
+    /// A rectangle finds its corners itself where they are not named. FILE has a vertex and its angle on each line.
+    /// What it goes with:
+    ///
+    ///     one disk, uncut                           yes
+    ///     holes, handles, several parts, an atlas   no
+    ///     auto                                      yes: linabf, then barrier
+    ///     linabf, barrier                           yes
+    ///     all other solvers                         no
+    #[arg(long, value_name = "RULE", help_heading = BOUNDARY, verbatim_doc_comment)]
+    pub(crate) boundary: Option<BoundaryRule>,
 
     /// How many passes to make: a number, or auto: until the constraints are met [default: auto]
     #[arg(long, hide_short_help = true, value_name = "N|auto", help_heading = PASSES)]

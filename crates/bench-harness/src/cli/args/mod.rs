@@ -1,5 +1,6 @@
 //! The command line as it is typed.
 
+mod boundary;
 mod charts;
 mod method;
 mod packing;
@@ -8,6 +9,7 @@ mod sheet;
 use abf::{SolverKind, Weld};
 use abf_mesh::io::MeshFormat;
 use abf_shapes::Shape;
+pub(crate) use boundary::BoundaryRule;
 pub(crate) use charts::{ChartArgs, InnerMargin, SeamsFrom};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};

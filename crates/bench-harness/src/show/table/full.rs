@@ -3,7 +3,8 @@
 use crate::record::number::{count, megabytes, seconds, significant};
 use crate::record::{InnerAccuracy, Kkt, Quality, Record, RunRecord, Size, Timings};
 use crate::show::advice::ending;
-use abf::{Metrics, Precision, Solver, SolverKind};
+use abf::{Boundary, Metrics, Precision, Solver, SolverKind};
+use std::f64::consts::PI;
 use std::fmt::Write;
 
 /// How many digits errors and stretch are shown with.
@@ -72,6 +73,7 @@ fn run_lines(solver: &str, run: &RunRecord) -> Vec<(&'static str, String)> {
     lines.push(("ended", ended_line(run)));
     lines.extend(accuracy_line(run).map(|line| ("accuracy", line)));
     lines.extend(asked.and_then(|asked| curvature_line(&asked, run)).map(|line| ("curvature", line)));
+    lines.extend(boundary_line(run).map(|line| ("boundary", line)));
     lines.push(("layout", layout_line(run)));
     lines
 }
@@ -95,6 +97,31 @@ fn solver_line(solver: &str, run: &RunRecord) -> String {
         parts.push("normalized".to_owned());
     }
     parts.join(", ")
+}
+
+/// What was asked of the boundary, and what it is like.
+fn boundary_line(run: &RunRecord) -> Option<String> {
+    let (met, asked) = (run.boundary.as_ref()?, run.settings.pipeline()?.boundary);
+    let mut parts = vec![asked.to_string()];
+    if let (Some(corners), Boundary::Rectangle(None)) = (met.corners, &asked) {
+        parts.push(format!("corners {}", corners.map(|corner| corner.to_string()).join(", ")));
+    }
+    if let Some(sides) = met.sides {
+        parts.push(format!("sides {}", sides.map(|side| significant(side, DIGITS)).join(", ")));
+    }
+    if let (Some(spread), Boundary::Circle) = (met.radius_spread, &asked) {
+        parts.push(format!(
+            "radii differ by {:.2} % after {}",
+            100.0 * (spread - 1.0),
+            count(met.rounds, "round", "rounds")
+        ));
+    }
+    parts.push(format!("off by {} rad", significant(met.violation, RESIDUAL_DIGITS)));
+    parts.push(format!("largest angle {}π", significant(met.largest_angle / PI, DIGITS)));
+    if met.injective_by_convexity {
+        parts.push("injective by convexity".to_owned());
+    }
+    Some(parts.join(", "))
 }
 
 fn newton_line(asked: &Solver) -> Option<String> {

@@ -1,0 +1,170 @@
+//! What is asked of the boundary holds in the UVs, or is refused by name.
+
+use abf::constraints::{BoundaryConditions, BoundaryError, ProblemError, boundary_loop};
+use abf::mesh::{CornerId, Topology, TriMesh};
+use abf::{
+    Barrier, Boundary, BoundaryAngle, BoundaryReport, Descent, FlattenError, Flattening, LinAbf, Pipeline, Silent,
+    Solver, Unwrap, UnwrapError,
+};
+use abf_shapes::Shape;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// How near the UVs come to the angles asked for, rad.
+const NEAR: f64 = 1e-6;
+
+fn solvers() -> [Solver; 3] {
+    [LinAbf::default().into(), Barrier::default().into(), Solver::default()]
+}
+
+fn run(mesh: &TriMesh, boundary: Boundary, solver: Solver) -> Result<Flattening, FlattenError> {
+    Pipeline { boundary, solver, ..Pipeline::default() }.run(mesh, &mut Silent)
+}
+
+/// A certified result, and what is said of its boundary.
+fn flat(mesh: &TriMesh, boundary: Boundary, solver: Solver) -> (Flattening, BoundaryReport) {
+    let case = format!("{boundary} by {solver}");
+    let flat = run(mesh, boundary, solver).unwrap_or_else(|error| panic!("{case}: {error}"));
+    assert!(flat.is_certified(), "{case}: {} {:?}", flat.termination, flat.certificate);
+    let report = flat.boundary.expect("a report");
+    (flat, report)
+}
+
+/// The angle sums of the UVs at the boundary, in the order of the loop.
+fn sums(mesh: &TriMesh, flat: &Flattening) -> Vec<f64> {
+    let topology = topology(mesh);
+    let angle = |c: CornerId| {
+        let (p, q, r) = (flat.uv.corner(c), flat.uv.corner(c.next()), flat.uv.corner(c.prev()));
+        (q - p).angle(&(r - p))
+    };
+    boundary_loop(&topology).into_iter().map(|v| topology.fan(v).map(angle).sum()).collect()
+}
+
+fn topology(mesh: &TriMesh) -> Topology {
+    Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold")
+}
+
+#[test]
+fn convex_maps_are_convex_and_proved_injective_by_it() {
+    for shape in [Shape::Mask, Shape::BumpySheet, Shape::LetterV] {
+        let mesh = shape.mesh(400);
+        let free = run(&mesh, Boundary::Free, LinAbf::default().into()).expect("a map");
+        assert!(free.boundary.is_none());
+        for solver in solvers() {
+            let (flat, report) = flat(&mesh, Boundary::Convex, solver);
+            let most = sums(&mesh, &flat).into_iter().fold(0.0, f64::max);
+            assert!(most <= PI + NEAR && report.largest_angle <= PI + NEAR, "{shape}: {most}");
+            assert!(report.injective_by_convexity && flat.certificate.injective(), "{shape}");
+        }
+    }
+}
+
+#[test]
+fn a_bound_that_is_not_reached_changes_nothing_much() {
+    let mesh = Shape::Hemisphere.mesh(300);
+    let free = run(&mesh, Boundary::Free, LinAbf::default().into()).expect("a map");
+    let (bounded, report) = flat(&mesh, Boundary::Below2Pi(0.5), LinAbf::default().into());
+    assert!(report.largest_angle < TAU - 0.5);
+    let f = |flat: &Flattening| flat.metrics(&mesh).expect("of this mesh").f;
+    assert!((f(&free) - f(&bounded)).abs() <= 1e-6 * f(&free), "{} {}", f(&free), f(&bounded));
+}
+
+#[test]
+fn bounds_below_two_pi_are_kept() {
+    let mesh = Shape::LetterX.mesh(400);
+    let free = run(&mesh, Boundary::Free, LinAbf::default().into()).expect("a map");
+    let widest = sums(&mesh, &free).into_iter().fold(0.0, f64::max);
+    let below = TAU - widest + 0.3;
+    for solver in solvers() {
+        let (bounded, _) = flat(&mesh, Boundary::Below2Pi(below), solver);
+        let most = sums(&mesh, &bounded).into_iter().fold(0.0, f64::max);
+        assert!(most <= TAU - below + NEAR, "{most} {widest}");
+    }
+}
+
+#[test]
+fn rectangles_have_four_right_angles_and_equal_opposite_sides() {
+    let mesh = Shape::Hemisphere.mesh(400);
+    let all = boundary_loop(&topology(&mesh));
+    let named = [0, 1, 2, 3].map(|k| all[k * all.len() / 4].index() as u32);
+    for solver in solvers() {
+        for boundary in [Boundary::Rectangle(None), Boundary::Rectangle(Some(named))] {
+            let (flat, report) = flat(&mesh, boundary, solver.clone());
+            let corners = report.corners.expect("corners");
+            for (v, sum) in all.iter().zip(sums(&mesh, &flat)) {
+                let is_corner = corners.contains(&(v.index() as u32));
+                let expected = if is_corner { FRAC_PI_2 } else { PI };
+                assert!((sum - expected).abs() < NEAR, "{} {sum}", v.index());
+            }
+            let [a, b, c, d] = report.sides.expect("sides");
+            assert!((a - c).abs() <= 1e-6 * a && (b - d).abs() <= 1e-6 * b, "{a} {b} {c} {d}");
+        }
+    }
+}
+
+#[test]
+fn circles_are_round() {
+    for shape in [Shape::Mask, Shape::BumpySheet] {
+        let mesh = shape.mesh(400);
+        let (flat, report) = flat(&mesh, Boundary::Circle, LinAbf::default().into());
+        let spread = report.radius_spread.expect("a circle");
+        assert!(spread <= 1.001 && report.rounds > 1, "{shape}: {spread} {}", report.rounds);
+        assert!(report.injective_by_convexity && flat.certificate.injective());
+    }
+}
+
+#[test]
+fn given_angles_are_met_whether_all_or_some_are_given() {
+    let mesh = Shape::Hemisphere.mesh(300);
+    let all = boundary_loop(&topology(&mesh));
+    let n = all.len();
+    let share = (n as f64 - 2.0) * PI / n as f64;
+    let given = |j: usize| share + 0.2 * (TAU * 3.0 * j as f64 / n as f64).cos();
+    for take in [n, n / 2] {
+        let entry = |j: usize| BoundaryAngle { vertex: all[j].index() as u32, angle: given(j), line: None };
+        let angles = Boundary::Angles((0..take).map(entry).collect());
+        for solver in solvers() {
+            let (flat, _) = flat(&mesh, angles.clone(), solver);
+            for (j, sum) in sums(&mesh, &flat).into_iter().enumerate().take(take) {
+                assert!((sum - given(j)).abs() < NEAR, "{j}: {sum} for {}", given(j));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_interior_point_comes_nearer_to_the_optimum_than_passes() {
+    let mesh = Shape::BumpySheet.mesh(400);
+    let sharp = Barrier { barrier_floor: 1e-7, ..Barrier::default() };
+    let energy = |solver: Solver| flat(&mesh, Boundary::Convex, solver).0.solution.expect("angles").energy();
+    let (passes, optimum) = (energy(LinAbf::default().into()), energy(sharp.into()));
+    assert!(optimum <= passes * (1.0 + 1e-6), "{optimum} {passes}");
+}
+
+#[test]
+fn other_solvers_and_charts_refuse_a_boundary() {
+    let mesh = Shape::Mask.mesh(100);
+    for solver in Solver::all() {
+        let kind = solver.kind();
+        let keeps = kind.keeps_boundary();
+        let checked = Pipeline { boundary: Boundary::Convex, solver, ..Pipeline::default() }.check();
+        assert_eq!(checked, if keeps { Ok(()) } else { Err(FlattenError::BoundarySolver(kind)) });
+    }
+    assert!(run(&mesh, Boundary::Convex, Descent::default().into()).is_err());
+    let pipeline = Pipeline { boundary: Boundary::Circle, ..Pipeline::default() };
+    let refused = Unwrap { pipeline, ..Unwrap::default() }.run(&mesh, &Default::default(), &mut Silent);
+    let Err(UnwrapError::Flatten(error @ FlattenError::BoundaryCharts(_))) = refused else { panic!("refused") };
+    assert!(error.to_string().contains("'circle'"), "{error}");
+}
+
+#[test]
+fn demands_that_no_map_meets_are_refused_before_anything_is_solved() {
+    let mesh = Shape::Letter2.mesh(600);
+    let all = boundary_loop(&topology(&mesh));
+    let corners = [0, 1, 2, 3].map(|k| all[k].index() as u32);
+    let expected = BoundaryConditions::rectangle(&topology(&mesh), corners).unwrap_err();
+    assert!(matches!(expected, BoundaryError::Ear { .. } | BoundaryError::Chord { .. }), "{expected}");
+    let error = run(&mesh, Boundary::Rectangle(Some(corners)), Solver::default()).unwrap_err();
+    assert_eq!(error, FlattenError::Problem(ProblemError::Boundary(expected)));
+    let error = run(&mesh, Boundary::Below2Pi(-1.0), Solver::default()).unwrap_err();
+    assert!(error.to_string().starts_with("boundary must be below-2pi=EPS"), "{error}");
+}

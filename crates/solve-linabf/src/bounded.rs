@@ -1,0 +1,177 @@
+//! LinABF with conditions on the boundary.
+//!
+//! A pass minimises `Σ (e/α)²` subject to `J e = −h` and to the conditions on the sums at the boundary after it. Upper
+//! bounds are met by a primal–dual active set: a row whose multiplier is not positive becomes free, and one that the solve
+//! would violate becomes active, until neither happens. Every change of the set is one solve.
+//!
+//! Passes re-centre, so what comes out meets the conditions and is not the optimum of ABF under them; multipliers of the
+//! last pass are near zero and say nothing of which rows bind. The interior point method finds the optimum.
+
+use crate::{LinAbf, Passes, metric};
+use abf_constraints::{AngleProblem, BoundaryConditions, WheelDerivative, largest, linearise};
+use abf_control::{IterationRecord, Observer, StopCriteria, Termination, Watch};
+use abf_solve_core::{
+    AngleSolution, BoundaryTerms, BoundedStep, KktSystem, KktVector, SolveError, StepError, StepReport,
+    constraint_residual,
+};
+
+/// At most so many solves in a pass: a set that changes still is one that comes back to where it was. The next pass starts
+/// from the angles of the last solve.
+const SOLVES: usize = 30;
+
+/// An upper bound may be exceeded by this part of the tolerance before its row becomes active.
+const SLACK: f64 = 0.1;
+
+/// Solves a problem that has conditions on its boundary.
+pub(crate) fn solve(
+    linabf: &LinAbf,
+    problem: &AngleProblem<'_>,
+    conditions: &BoundaryConditions,
+    stop: &StopCriteria,
+    observer: &mut dyn Observer,
+) -> Result<AngleSolution, SolveError> {
+    let mut watch = Watch::start(stop, observer);
+    let mut run = Run::new(problem, conditions, stop, &mut watch)?;
+    let termination = loop {
+        match run.pass(&mut watch) {
+            Ok(()) => {}
+            Err(StepError::Linear(error)) if run.history.is_empty() => return Err(error.into()),
+            // The angles so far are usable; the next guess was not.
+            Err(StepError::Linear(_)) => break Termination::Stalled,
+            Err(StepError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            Err(_) => break watch.interruption().unwrap_or(Termination::Cancelled),
+        }
+        let standing = (run.history.len(), run.best_residual, run.passes_without_improvement);
+        if let Some(end) = linabf.verdict(standing, stop).or(watch.interruption()) {
+            break end;
+        }
+    };
+    let angles = if linabf.passes == Passes::Auto { run.best } else { run.angles };
+    Ok(AngleSolution::measure(problem, angles, termination, run.history))
+}
+
+/// The workspace of one solve.
+struct Run<'p, 'a> {
+    problem: &'p AngleProblem<'a>,
+    conditions: &'p BoundaryConditions,
+    step: BoundedStep,
+    active: Vec<bool>,
+    slack: f64,
+    angles: Vec<f64>,
+    best: Vec<f64>,
+    best_residual: f64,
+    passes_without_improvement: usize,
+    history: Vec<IterationRecord>,
+}
+
+impl<'p, 'a> Run<'p, 'a> {
+    fn new(
+        problem: &'p AngleProblem<'a>,
+        conditions: &'p BoundaryConditions,
+        stop: &StopCriteria,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, SolveError> {
+        let step = BoundedStep::new(problem.topology(), problem.rows(), conditions, &mut || watch.checkpoint())?;
+        let angles = problem.initial_guess().to_vec();
+        let is_active = |j| conditions.are_equations() && conditions.dropped() != Some(j);
+        Ok(Self {
+            problem,
+            conditions,
+            step,
+            active: (0..conditions.len()).map(is_active).collect(),
+            slack: SLACK * stop.tolerance,
+            best: angles.clone(),
+            angles,
+            best_residual: f64::INFINITY,
+            passes_without_improvement: 0,
+            history: Vec::new(),
+        })
+    }
+
+    /// One pass: from the last angles, kept inside the bounds, to the least-norm correction.
+    fn pass(&mut self, watch: &mut Watch<'_>) -> Result<(), StepError> {
+        let clamped = self.problem.clamp(&mut self.angles);
+        let clamped_angles = if self.history.is_empty() { self.problem.clamped_angles() } else { clamped };
+        let (report, correction, solves) = self.correction(watch)?;
+        self.angles.iter_mut().zip(&correction).for_each(|(x, e)| *x += e);
+        let (residual, _) = linearise(self.problem.rows(), &self.angles);
+        let off = self.conditions.violation(self.problem.topology(), &self.angles);
+        let record = IterationRecord {
+            iteration: self.history.len() + 1,
+            constraint_residual: constraint_residual(self.problem, &self.angles, &residual).max(off),
+            step: largest(&correction),
+            inner_iterations: solves,
+            inner_residual: report.relative_residual,
+            inner_converged: report.inner_converged,
+            clamped_angles,
+            step_length: 1.0,
+            ..IterationRecord::default()
+        };
+        self.keep_best(record.constraint_residual);
+        self.history.push(record);
+        Ok(watch.iteration(&record)?)
+    }
+
+    /// The least-norm correction under the conditions, and how many solves it took.
+    fn correction(&mut self, watch: &mut Watch<'_>) -> Result<(StepReport, Vec<f64>, usize), StepError> {
+        let (residual, wheel) = linearise(self.problem.rows(), &self.angles);
+        let off = self.conditions.residual(self.problem.topology(), &self.angles);
+        let mut out = KktVector::default();
+        let mut solves = 0;
+        loop {
+            let (report, multipliers) = self.solve(&residual, &wheel, &off, watch, &mut out)?;
+            solves += 1;
+            let is_settled = self.conditions.are_equations() || !self.update(&off, &multipliers, &out.delta);
+            if is_settled || solves == SOLVES {
+                return Ok((report, std::mem::take(&mut out.delta), solves));
+            }
+        }
+    }
+
+    fn solve(
+        &mut self,
+        residual: &[f64],
+        wheel: &WheelDerivative,
+        off: &[f64],
+        watch: &mut Watch<'_>,
+        out: &mut KktVector,
+    ) -> Result<(StepReport, Vec<f64>), StepError> {
+        let lambda = metric(&self.angles);
+        let kkt = KktSystem {
+            topology: self.problem.topology(),
+            rows: self.problem.rows(),
+            lambda: &lambda,
+            gauss_newton: &lambda,
+            off_diagonal: None,
+            wheel,
+            gradient: &vec![0.0; lambda.len()],
+            residual,
+        };
+        let terms = BoundaryTerms { conditions: self.conditions, active: &self.active, residual: off, compliance: &[] };
+        self.step.step(&kkt, &terms, watch, out)
+    }
+
+    /// Changes the set of active rows; whether there was anything to change.
+    fn update(&mut self, off: &[f64], multipliers: &[f64], delta: &[f64]) -> bool {
+        let topology = self.problem.topology();
+        let mut has_changed = false;
+        for (j, &v) in self.conditions.vertices().iter().enumerate() {
+            let active = match self.active[j] {
+                true => multipliers[j] > 0.0,
+                false => off[j] + topology.fan(v).map(|c| delta[c.index()]).sum::<f64>() > self.slack,
+            };
+            has_changed |= active != self.active[j];
+            self.active[j] = active;
+        }
+        has_changed
+    }
+
+    fn keep_best(&mut self, residual: f64) {
+        let improved = residual < crate::IMPROVEMENT * self.best_residual;
+        self.passes_without_improvement = if improved { 0 } else { self.passes_without_improvement + 1 };
+        if residual < self.best_residual {
+            self.best_residual = residual;
+            self.best.clone_from(&self.angles);
+        }
+    }
+}
