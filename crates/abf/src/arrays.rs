@@ -205,6 +205,24 @@ impl ArrayUnwrapper {
         hints: &SurfaceHints<'_>,
         observer: &mut (dyn Observer + Send),
     ) -> Result<UnwrappedArrays, ArrayError> {
+        let positions: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
+        self.run_in_doubles(&positions, indices, hints, observer)
+    }
+
+    /// [`run_with`](Self::run_with) for positions of 64 bits. UVs are stored, and certified, as 32-bit numbers.
+    ///
+    /// Vertices are joined where they have one position, but not those of two
+    /// [objects](SurfaceHints::objects); a vertex is of the object of its first triangle.
+    ///
+    /// # Errors
+    /// [`ArrayError`].
+    pub fn run_in_doubles(
+        &self,
+        positions: &[[f64; 3]],
+        indices: &[u32],
+        hints: &SurfaceHints<'_>,
+        observer: &mut (dyn Observer + Send),
+    ) -> Result<UnwrappedArrays, ArrayError> {
         let (triangles, rest) = indices.as_chunks::<3>();
         if !rest.is_empty() {
             return Err(ArrayError::IndexCount { count: indices.len() });
@@ -218,7 +236,7 @@ impl ArrayUnwrapper {
         }
         let mesh = match self.unwrap.weld {
             Weld::Off => separate(positions, triangles)?,
-            _ => welded(positions, triangles)?,
+            _ => welded(positions, triangles, hints.objects)?,
         };
         let unwrapped = self.unwrap.run(&mesh, hints, observer)?;
         let packed = self.atlas.pack(&mesh, &unwrapped, hints.face_labels, Stored::in_precision(Precision::Single))?;
@@ -228,23 +246,30 @@ impl ArrayUnwrapper {
 }
 
 /// The mesh with the vertices it has.
-fn separate(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<TriMesh, GeometryError> {
-    let points = positions.iter().map(|p| Point3::from(p.map(f64::from))).collect();
+fn separate(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<TriMesh, GeometryError> {
+    let points = positions.iter().map(|&p| Point3::from(p)).collect();
     TriMesh::new(points, &triangles.iter().map(|t| t.map(|i| i as usize)).collect::<Vec<_>>())
 }
 
 /// The mesh with vertices at one position made one: engines split them where normals or UVs differ.
-fn welded(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<TriMesh, GeometryError> {
-    let mut at: HashMap<[u32; 3], usize> = HashMap::with_capacity(positions.len());
+fn welded(positions: &[[f64; 3]], triangles: &[[u32; 3]], objects: Option<&[u32]>) -> Result<TriMesh, GeometryError> {
+    let mut object_of = vec![None; positions.len()];
+    // The check of the hints comes later: a label too few is no reason to stop here.
+    for (triangle, &object) in triangles.iter().zip(objects.unwrap_or_default()) {
+        for &vertex in triangle {
+            object_of[vertex as usize].get_or_insert(object);
+        }
+    }
+    let mut at: HashMap<(Option<u32>, [u64; 3]), usize> = HashMap::with_capacity(positions.len());
     let mut points = Vec::new();
     // Adding zero makes −0 positive, which is the same place.
-    let vertex = |p: &[f32; 3]| {
-        *at.entry(p.map(|x| (x + 0.0).to_bits())).or_insert_with(|| {
-            points.push(Point3::from(p.map(f64::from)));
+    let vertex = |(p, object): (&[f64; 3], Option<u32>)| {
+        *at.entry((object, p.map(|x| (x + 0.0).to_bits()))).or_insert_with(|| {
+            points.push(Point3::from(*p));
             points.len() - 1
         })
     };
-    let vertices: Vec<usize> = positions.iter().map(vertex).collect();
+    let vertices: Vec<usize> = positions.iter().zip(object_of).map(vertex).collect();
     TriMesh::new(points, &triangles.iter().map(|t| t.map(|i| vertices[i as usize])).collect::<Vec<_>>())
 }
 
@@ -316,6 +341,49 @@ mod tests {
         let old: Vec<u32> = flat.indices.iter().map(|&new| flat.remap[new as usize]).collect();
         assert_eq!(old, indices);
         assert_eq!(flat.uvs.len(), flat.remap.len());
+    }
+
+    #[test]
+    fn vertices_of_two_objects_stay_two() {
+        let positions =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0_f64]];
+        let charts = |objects: Option<&[u32]>| {
+            let hints = SurfaceHints { objects, ..SurfaceHints::default() };
+            let flat = ArrayUnwrapper::new().run_in_doubles(&positions, &[0, 1, 2, 3, 4, 5], &hints, &mut Silent);
+            flat.expect("charts").unwrapped.charts.len()
+        };
+        assert_eq!((charts(None), charts(Some(&[7, 7])), charts(Some(&[7, 8]))), (1, 1, 2));
+    }
+
+    #[test]
+    fn positions_of_64_bits_are_not_rounded() {
+        // One square on a map of a country: 32 bits hold metres there, and no centimetres.
+        let at = |x: f64, y: f64| [500_000.0 + x, 5_500_000.0 + y, 0.0];
+        let positions = [at(0.0, 0.0), at(0.01, 0.0), at(0.01, 0.01), at(0.0, 0.01)];
+        let run = |positions: &[[f64; 3]]| {
+            ArrayUnwrapper::new().run_in_doubles(positions, &[0, 1, 2, 0, 2, 3], &SurfaceHints::default(), &mut Silent)
+        };
+        let flat = run(&positions).expect("a disk");
+        assert!((flat.packed.metrics.stretch_l2 - 1.0).abs() < 1e-6, "{}", flat.packed.metrics.stretch_l2);
+        let rounded = positions.map(|p| p.map(|x| f64::from(x as f32)));
+        assert!(run(&rounded).is_err(), "nothing is left of it in 32 bits");
+    }
+
+    #[test]
+    fn a_marked_edge_is_a_seam_and_one_of_its_sides_is_enough() {
+        // Two squares side by side; the edge between them is marked, from its left side only.
+        let positions =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0_f64]];
+        let indices = [0, 1, 2, 0, 2, 3, 1, 4, 5, 1, 5, 2];
+        let mut marked = vec![false; indices.len()];
+        let charts = |marked: &[bool], seams| {
+            let hints = SurfaceHints { seams: Some(marked), ..SurfaceHints::default() };
+            let flat = ArrayUnwrapper::new().seams(seams).run_in_doubles(&positions, &indices, &hints, &mut Silent);
+            flat.expect("charts").unwrapped.charts.len()
+        };
+        assert_eq!(charts(&marked, SeamRule::Keep), 1);
+        marked[0] = true;
+        assert_eq!((charts(&marked, SeamRule::Keep), charts(&marked, SeamRule::Auto)), (2, 1));
     }
 
     #[test]

@@ -103,7 +103,7 @@ pub mod metrics {
 
 /// How many threads a call takes.
 pub mod parallel {
-    pub use abf_parallel::{PoolError, current_num_threads, with_threads};
+    pub use abf_parallel::{Pool, PoolError, current_num_threads, with_threads};
 }
 
 /// From angles to coordinates; which layout is asked for is at the root of the crate.

@@ -22,7 +22,7 @@ mod threads;
 pub use rayon::{current_num_threads, join, scope};
 #[cfg(not(feature = "rayon"))]
 pub use sequential::{current_num_threads, join, scope};
-pub use threads::{PoolError, with_threads};
+pub use threads::{Pool, PoolError, with_threads};
 
 /// The traits whose methods are called: `use abf_parallel::prelude::*`.
 pub mod prelude {

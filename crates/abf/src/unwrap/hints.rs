@@ -14,6 +14,8 @@ pub struct SurfaceHints<'a> {
     pub objects: Option<&'a [u32]>,
     /// For every corner whether the edge that it faces may not be a seam, as the diagonals of polygons.
     pub forbidden: Option<&'a [bool]>,
+    /// For every corner whether the edge that it faces is a seam to be kept by the same rule; one of its two sides is enough.
+    pub seams: Option<&'a [bool]>,
 }
 
 impl SurfaceHints<'_> {
@@ -24,6 +26,7 @@ impl SurfaceHints<'_> {
             ("objects", self.objects.map(<[u32]>::len), faces),
             ("face labels", self.face_labels.map(<[u32]>::len), faces),
             ("corners that face forbidden edges", self.forbidden.map(<[bool]>::len), corners),
+            ("corners that face seams", self.seams.map(<[bool]>::len), corners),
         ];
         for (what, given, expected) in lengths {
             if let Some(given) = given.filter(|&given| given != expected) {

@@ -304,6 +304,10 @@ impl Unwrap {
             let of_face = |f: &FaceId| labels[f.index()];
             keep(label_borders(topology, &repaired.faces.iter().map(of_face).collect::<Vec<_>>()));
         }
+        if let Some(marked) = hints.seams {
+            let is_marked = |c: &CornerId| marked[repaired.input_corner(*c).index()];
+            topology.corners().filter(is_marked).for_each(|c| seams.insert(topology, c));
+        }
         seams
     }
 

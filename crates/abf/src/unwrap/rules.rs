@@ -14,7 +14,8 @@ pub enum SeamRule {
     /// From the shape and the stretch.
     #[default]
     Auto,
-    /// Those of [`SurfaceHints`](super::SurfaceHints): the seams of the UV map and the borders of the labels. What they leave is cut further only
+    /// Those of [`SurfaceHints`](super::SurfaceHints): the seams of the UV map, the borders of the labels, and the
+    /// seams that are marked. What they leave is cut further only
     /// where it is no disk, or misses the aim.
     Keep,
 }

@@ -57,6 +57,7 @@ pub(crate) fn charts(
         face_labels: known.labels.as_deref().filter(|_| keeps),
         forbidden: known.forbidden.as_deref(),
         objects: loaded.objects(),
+        seams: None,
     };
     // Without materials the packing has more to say.
     let says_more = charting.atlas.pages == AtlasPages::PerMaterial;
