@@ -24,6 +24,7 @@ const LAYERS: &[(&str, u32)] = &[
     ("abf-cut", 4),
     ("abf", 5),
     ("abf-report", 5),
+    ("abf-python", 6),
     ("bench-harness", 6),
 ];
 

@@ -1,0 +1,248 @@
+//! From keywords to the settings of the library. Names, ranges and defaults are those of the command line.
+
+use crate::errors::SettingError;
+use abf::solve_core::InnerTolerance;
+use abf::{
+    Atlas, AtlasPages, DoubleSided, Effort, EstimateSettings, HoleRule, LayoutKind, LayoutSettings, Pipeline, SeamRule,
+    Solver, SolverKind, SolverParts, StopCriteria, Unwrap, Weld,
+};
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+use std::fmt::Display;
+use std::str::FromStr;
+use std::time::Duration;
+
+/// Keywords; `None` is the default.
+pub(crate) struct Keywords<'py>(pub(crate) Bound<'py, PyDict>);
+
+impl<'py> Keywords<'py> {
+    /// What was given, if it is not `None`.
+    fn given(&self, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        Ok(self.0.get_item(name)?.filter(|value| !value.is_none()))
+    }
+
+    /// A number, or a truth value.
+    pub(crate) fn value<T>(&self, name: &str) -> PyResult<Option<T>>
+    where
+        T: for<'a> FromPyObject<'a, 'py>,
+    {
+        let Some(given) = self.given(name)? else { return Ok(None) };
+        match given.extract::<T>().map_err(Into::<PyErr>::into) {
+            Ok(value) => Ok(Some(value)),
+            Err(error) if error.is_instance_of::<PyOverflowError>(given.py()) => {
+                Err(out_of_range(name, "a whole number that is not negative and not too large", &given))
+            }
+            Err(error) if error.is_instance_of::<PyTypeError>(given.py()) => {
+                Err(PyTypeError::new_err(format!("{name}: {}", error.value(given.py()))))
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// One of several names.
+    fn choice<T: FromStr<Err: Display>>(&self, name: &str) -> PyResult<Option<T>> {
+        let Some(given) = self.given(name)? else { return Ok(None) };
+        let Ok(text) = given.cast::<PyString>() else {
+            return Err(PyTypeError::new_err(format!("{name} must be a str, got {}", given.get_type())));
+        };
+        let parsed = text.to_str()?.parse().map_err(|error| SettingError::new_err(format!("{name}: {error}")));
+        parsed.map(Some)
+    }
+
+    /// A number, or a word that stands for something else than a number.
+    fn word_or<T>(&self, name: &str, word: &str) -> PyResult<Option<Option<T>>>
+    where
+        T: for<'a> FromPyObject<'a, 'py>,
+    {
+        let Some(given) = self.given(name)? else { return Ok(None) };
+        match given.cast::<PyString>() {
+            Ok(text) if text.to_str()? == word => Ok(Some(None)),
+            Ok(_) => Err(out_of_range(name, &format!("a number or '{word}'"), &given)),
+            Err(_) => Ok(self.value(name)?.map(Some)),
+        }
+    }
+
+    /// How many threads work: `None` is one per processor.
+    pub(crate) fn threads(&self) -> PyResult<Option<usize>> {
+        self.value("threads")
+    }
+
+    /// How a disk or a chart is flattened.
+    pub(crate) fn pipeline(&self) -> PyResult<Pipeline> {
+        let (estimate, stop, plain) = (EstimateSettings::default(), StopCriteria::default(), Pipeline::default());
+        let solver = self.solver()?;
+        let kind = solver.kind();
+        let concerns = [
+            ("ring_switch", kind.keeps_constraints()),
+            ("angle_bound", kind.keeps_constraints()),
+            ("tolerance", kind.keeps_constraints()),
+            ("max_iterations", kind.finds_angles()),
+            ("time_limit", kind.finds_angles()),
+        ];
+        self.refuse_what_means_nothing(kind, &concerns)?;
+        let limit = self.value::<f64>("time_limit")?;
+        let seconds = |limit| {
+            let wrong =
+                |_| SettingError::new_err(format!("time_limit must be a number of seconds, at least 0, got {limit}"));
+            Duration::try_from_secs_f64(limit).map_err(wrong)
+        };
+        Ok(Pipeline {
+            solver,
+            zero_area: self.choice("zero_area")?.unwrap_or(plain.zero_area),
+            estimate: EstimateSettings {
+                ring_switch: self.word_or("ring_switch", "off")?.unwrap_or(estimate.ring_switch),
+                angle_bound: self.value("angle_bound")?.unwrap_or(estimate.angle_bound),
+                ..estimate
+            },
+            stop: StopCriteria {
+                tolerance: self.value("tolerance")?.unwrap_or(stop.tolerance),
+                max_iterations: self.value("max_iterations")?.unwrap_or(stop.max_iterations),
+                time_limit: limit.map(seconds).transpose()?,
+                ..stop
+            },
+            layout: LayoutSettings {
+                kind: self.choice::<LayoutKind>("layout")?.unwrap_or_default(),
+                ..LayoutSettings::default()
+            },
+            normalize: self.value("normalize")?.unwrap_or(false),
+            max_memory: self.value("max_memory")?,
+            ..plain
+        })
+    }
+
+    fn solver(&self) -> PyResult<Solver> {
+        let mut solver = self.choice::<Solver>("solver")?.unwrap_or_default();
+        let kind = solver.kind();
+        let SolverParts { linabf, newton, iterative, barrier, descent, .. } = solver.parts_mut();
+        let concerns = [
+            ("passes", linabf.is_some()),
+            ("barrier_floor", barrier.is_some() || descent.is_some()),
+            ("wheel", newton.is_some()),
+            ("hessian", newton.is_some()),
+            ("line_search", newton.is_some()),
+            ("reduction", iterative.is_some()),
+            ("preconditioner", iterative.is_some()),
+            ("max_inner_iterations", iterative.is_some()),
+            ("inner_tolerance", iterative.is_some()),
+        ];
+        self.refuse_what_means_nothing(kind, &concerns)?;
+        if let Some(linabf) = linabf {
+            linabf.passes = match self.word_or::<usize>("passes", "auto")? {
+                None | Some(None) => linabf.passes,
+                Some(Some(passes)) => {
+                    passes.to_string().parse().map_err(|error| SettingError::new_err(format!("passes: {error}")))?
+                }
+            };
+        }
+        if let Some(newton) = newton {
+            newton.wheel = self.choice("wheel")?.unwrap_or(newton.wheel);
+            newton.hessian = self.choice("hessian")?.unwrap_or(newton.hessian);
+            newton.line_search = self.choice("line_search")?.unwrap_or(newton.line_search);
+            if let Some(Some(tolerance)) = self.word_or("inner_tolerance", "auto")? {
+                newton.inner_tolerance = InnerTolerance::Fixed(tolerance);
+            }
+        }
+        if let Some(iterative) = iterative {
+            iterative.reduction = self.choice("reduction")?.unwrap_or(iterative.reduction);
+            iterative.preconditioner = self.choice("preconditioner")?.unwrap_or(iterative.preconditioner);
+            iterative.max_inner_iterations =
+                self.value("max_inner_iterations")?.unwrap_or(iterative.max_inner_iterations);
+        }
+        let floor = self.value("barrier_floor")?;
+        if let Some(barrier) = barrier {
+            barrier.barrier_floor = floor.unwrap_or(barrier.barrier_floor);
+        }
+        if let Some(descent) = descent {
+            descent.barrier_floor = floor.unwrap_or(descent.barrier_floor);
+        }
+        Ok(solver)
+    }
+
+    fn refuse_what_means_nothing(&self, kind: SolverKind, concerns: &[(&str, bool)]) -> PyResult<()> {
+        for &(name, is_read) in concerns {
+            if !is_read && self.given(name)?.is_some() {
+                return Err(SettingError::new_err(format!(
+                    "{name} means nothing to the solver '{kind}': leave it out"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// How a mesh becomes charts; `keeps` says whether seams are given.
+    pub(crate) fn unwrap(&self, keeps: bool) -> PyResult<Unwrap> {
+        let plain = Unwrap::default();
+        let crease_angle = self.value::<f64>("crease_angle")?;
+        if let Some(angle) = crease_angle.filter(|angle| !(0.0..=180.0).contains(angle)) {
+            return Err(SettingError::new_err(format!("crease_angle must be in 0..=180 degrees, got {angle}")));
+        }
+        let length = self.value::<f64>("max_chart_length")?;
+        Ok(Unwrap {
+            pipeline: self.pipeline()?,
+            seams: if keeps { SeamRule::Keep } else { SeamRule::Auto },
+            holes: self.choice::<HoleRule>("holes")?.unwrap_or(plain.holes),
+            max_stretch: self.value("max_stretch")?.unwrap_or(plain.max_stretch),
+            max_seam: self.value("max_seam")?,
+            crease_angle: crease_angle.map_or(plain.crease_angle, f64::to_radians),
+            max_chart_length: length
+                .map_or(plain.max_chart_length, |length| (length != f64::INFINITY).then_some(length)),
+            // In an atlas a disk is a chart like all others.
+            cut_disks: true,
+            weld: self.weld()?,
+            double_sided: self.choice::<DoubleSided>("double_sided")?.unwrap_or(plain.double_sided),
+            strict: self.value("strict")?.unwrap_or(plain.strict),
+            ..plain
+        })
+    }
+
+    /// Which vertices in one place are joined: `"auto"`, `"off"` or a distance.
+    pub(crate) fn weld(&self) -> PyResult<Weld> {
+        let Some(given) = self.given("weld")? else { return Ok(Weld::default()) };
+        let weld = match given.cast::<PyString>() {
+            Ok(_) => self.choice("weld")?.unwrap_or_default(),
+            Err(_) => self.value("weld")?.map_or(Weld::Auto, Weld::Within),
+        };
+        match weld {
+            Weld::Within(distance) if !(distance >= 0.0 && distance.is_finite()) => Err(SettingError::new_err(
+                format!("weld must be 'auto', 'off' or a distance of at least 0, got {distance}"),
+            )),
+            weld => Ok(weld),
+        }
+    }
+
+    /// How charts become an atlas.
+    pub(crate) fn atlas(&self) -> PyResult<Atlas> {
+        let plain = Atlas::default();
+        let page = match (self.value::<[u32; 2]>("page")?, self.value::<u32>("resolution")?) {
+            (Some(_), Some(_)) => {
+                return Err(SettingError::new_err("page and resolution are both given: leave one out"));
+            }
+            (Some(page), None) => page,
+            (None, side) => side.map_or(plain.page, |side| [side; 2]),
+        };
+        let shorter = page[0].min(page[1]);
+        let margin = match (self.word_or::<u32>("margin", "auto")?, self.value::<u32>("mip_levels")?) {
+            (Some(_), Some(_)) => {
+                return Err(SettingError::new_err("mip_levels sets the margin: leave out margin, or it"));
+            }
+            (Some(Some(margin)), None) => margin,
+            (Some(None), None) => Atlas::margin_for_mip_levels(0),
+            (None, Some(levels)) => Atlas::margin_for_mip_levels(levels),
+            (None, None) => plain.margin.min(shorter / 4),
+        };
+        Ok(Atlas {
+            pages: self.choice::<AtlasPages>("atlas")?.unwrap_or(plain.pages),
+            page,
+            margin,
+            effort: self.choice("pack")?.unwrap_or(Effort::Good),
+            max_pages: self.value("max_pages")?.unwrap_or(plain.max_pages),
+            texels_per_unit: self.value("texels_per_unit")?,
+        })
+    }
+}
+
+fn out_of_range(name: &str, allowed: &str, given: &Bound<'_, PyAny>) -> PyErr {
+    let given = given.repr().map_or_else(|_| "another value".to_owned(), |text| text.to_string());
+    SettingError::new_err(format!("{name} must be {allowed}, got {given}"))
+}

@@ -1,0 +1,111 @@
+"""`flatten`."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from numpy.typing import ArrayLike
+
+from . import _abf
+from ._arrays import indices, reals, teller
+from ._results import Flattening, with_metrics
+from ._types import (
+    Hessian,
+    Layout,
+    LineSearch,
+    OnProgress,
+    Preconditioner,
+    Reduction,
+    Solver,
+    Wheel,
+    ZeroArea,
+)
+
+
+def flatten(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    *,
+    solver: Solver = "auto",
+    layout: Layout = "auto",
+    normalize: bool = False,
+    zero_area: ZeroArea = "carry",
+    time_limit: float | None = None,
+    max_memory: int | None = None,
+    threads: int | None = None,
+    progress: OnProgress | None = None,
+    ring_switch: float | Literal["off"] | None = None,
+    angle_bound: float | None = None,
+    tolerance: float | None = None,
+    max_iterations: int | None = None,
+    passes: int | Literal["auto"] | None = None,
+    barrier_floor: float | None = None,
+    wheel: Wheel | None = None,
+    hessian: Hessian | None = None,
+    line_search: LineSearch | None = None,
+    reduction: Reduction | None = None,
+    preconditioner: Preconditioner | None = None,
+    max_inner_iterations: int | None = None,
+    inner_tolerance: float | Literal["auto"] | None = None,
+) -> Flattening:
+    """Flatten a disk: a connected manifold mesh with one boundary loop.
+
+    Args:
+        vertices: (n, 3) real numbers, in any unit.
+        faces: (m, 3) whole numbers from 0 to n - 1, counter-clockwise.
+        solver: The method; "auto" tries one after the other, up to the first whose result is proved valid.
+        layout: How angles become coordinates.
+        normalize: Whether UVs are scaled into the unit square. Otherwise they have the area of the surface.
+        zero_area: What becomes of faces without area: a place like all others, or an error.
+        time_limit: Seconds, for all solvers together; then the best there is comes back.
+        max_memory: Bytes. A mesh for which more is predicted is refused, before any is taken.
+        threads: How many work on this call alone. None: one per processor, shared with other such calls. The result is
+            the same for any number.
+        progress: Called with a `Progress` at most every 20 ms, on the thread that calls. What it raises ends the call.
+
+    Every other setting is that of the command line, by the same name; None is the solver's own default. One that means
+    nothing to the solver is an error.
+
+    Returns:
+        A `Flattening`: `uv`, (n, 2) float64, with its `certificate` and `metrics`.
+
+    Raises:
+        TypeError: An argument of a wrong type, as faces of floats.
+        ShapeError: An array of another shape.
+        GeometryError: No faces, a coordinate that is not finite, or an index of no vertex.
+        TopologyError: Faces that form no oriented manifold.
+        NotADiskError: A manifold that is no disk.
+        SettingError: A setting outside its range.
+        NoResultError: No solver found a map.
+        MemoryError: More than `max_memory` is predicted.
+
+    >>> import abf_flatten
+    >>> square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    >>> flat = abf_flatten.flatten(square, [[0, 1, 2], [0, 2, 3]])
+    >>> flat.uv.round(9).tolist(), bool(flat.certificate)
+    ([[0.0, 0.0], [0.707106781, -0.707106781], [1.414213562, 0.0], [0.707106781, 0.707106781]], True)
+    """
+    settings = {
+        "solver": solver,
+        "layout": layout,
+        "normalize": normalize,
+        "zero_area": zero_area,
+        "time_limit": time_limit,
+        "max_memory": max_memory,
+        "threads": threads,
+        "ring_switch": ring_switch,
+        "angle_bound": angle_bound,
+        "tolerance": tolerance,
+        "max_iterations": max_iterations,
+        "passes": passes,
+        "barrier_floor": barrier_floor,
+        "wheel": wheel,
+        "hessian": hessian,
+        "line_search": line_search,
+        "reduction": reduction,
+        "preconditioner": preconditioner,
+        "max_inner_iterations": max_inner_iterations,
+        "inner_tolerance": inner_tolerance,
+    }
+    points, triangles = reals(vertices, "vertices", 3), indices(faces, "faces")
+    return Flattening(**with_metrics(_abf.flatten(points, triangles, settings, teller(progress))))

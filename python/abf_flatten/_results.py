@@ -1,0 +1,206 @@
+"""What comes out. All of it can be pickled, so that it may come from another process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What is proved of UVs as they are stored, by exact signs. It is true if `valid` is."""
+
+    #: No triangle is turned over or collapsed, and no interior vertex wound around twice.
+    valid: bool
+    #: Valid, and no point of the plane is covered twice.
+    injective: bool
+    #: How many charts there are.
+    charts: int
+    #: Triangles that are turned over, against most of their chart.
+    flips: int
+    #: Triangles whose three UVs lie on one line.
+    collapsed: int
+    #: Valid triangles that are within the rounding of their coordinates of not being so.
+    near_collapsed: int
+    #: Interior vertices around which the triangles wind more than once.
+    wound: int
+    #: Places where the map lies over itself.
+    overlaps: int
+    #: Places where the boundary meets itself, and nothing is covered twice.
+    touches: int
+    #: The least and the greatest angle of all UV triangles, rad.
+    uv_angle_min: float
+    uv_angle_max: float
+    #: The largest violation of the angle constraints, rad; None where no angles were solved for.
+    constraint_residual: float | None
+    #: The first of each kind, at most ten.
+    flipped_faces: list[int] = field(repr=False)
+    collapsed_faces: list[int] = field(repr=False)
+    wound_vertices: list[int] = field(repr=False)
+    overlapping_faces: list[tuple[int, int]] = field(repr=False)
+
+    def __bool__(self) -> bool:
+        return self.valid
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """How distorted UVs are. Only `uv_area` changes when UVs are moved, turned or scaled."""
+
+    #: How many triangles there are.
+    triangles: int
+    #: Triangles without an area in space; they are in no figure of distortion.
+    degenerate_3d: int
+    #: The mean squared angle error, rad².
+    f: float
+    #: The mean squared relative angle error.
+    f_weighted: float
+    #: The largest angle error, rad.
+    max_angle_error: float
+    #: L² and L∞ stretch; 1 for an isometry.
+    stretch_l2: float
+    stretch_linf: float
+    #: Quasi-conformal distortion; 1 for a conformal map.
+    qc_mean: float
+    qc_max: float
+    #: Area distortion; 0 where areas keep their proportions.
+    area_l2: float
+    #: The area of the UVs, and that of the surface.
+    uv_area: float
+    surface_area: float
+    #: What is proved of the UVs.
+    certificate: Certificate = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a call is. `done` of `total` faces are finished: `unwrap` counts, `flatten` says it at the end only."""
+
+    #: What is being done: "topology", "solve", "layout", "certificate"; "done" at the end.
+    stage: str
+    #: Which solver of `auto` it is, once one has begun.
+    solver: str | None
+    #: The last iteration, and its constraint residual, rad.
+    iteration: int
+    residual: float
+    #: Faces in finished charts, of how many.
+    done: int
+    total: int
+
+
+@dataclass(frozen=True, eq=False)
+class Flattening:
+    """A flat disk."""
+
+    #: (n, 2) float64, one row per vertex. It has the area of the surface, unless it was normalized. A vertex of no
+    #: face is at the origin.
+    uv: NDArray[np.float64] = field(repr=False)
+    #: How distorted it is, and what is proved of it.
+    metrics: Metrics
+    #: Whose result it is, and how that solver ended.
+    solver: str
+    termination: str
+    #: Valid UVs of a solver that ended as asked.
+    certified: bool
+    #: The solvers that `auto` tried, in order.
+    tried: list[str] = field(repr=False)
+
+    @property
+    def certificate(self) -> Certificate:
+        """What is proved of it."""
+        return self.metrics.certificate
+
+
+@dataclass(frozen=True, eq=False)
+class Unwrapped:
+    """An atlas. It iterates as `vmapping, indices, uvs`, in the order and the types of xatlas."""
+
+    #: (k,) uint32: for every new vertex the vertex it is a copy of. The first ones are those of the input, in order.
+    vmapping: NDArray[np.uint32] = field(repr=False)
+    #: (m, 3) uint32: the new vertices of every face, in the order of the input.
+    indices: NDArray[np.uint32] = field(repr=False)
+    #: (k, 2) float32 in the unit square, v upwards. A vertex of no face is at the origin.
+    uvs: NDArray[np.float32] = field(repr=False)
+    #: (m,) int32: the chart of every face, and its page; -1 for faces without any area at all.
+    chart_of_face: NDArray[np.int32] = field(repr=False)
+    page_of_face: NDArray[np.int32] = field(repr=False)
+    #: How many charts and pages there are.
+    charts: int
+    pages: int
+    #: How many texels a unit of the mesh gets.
+    texels_per_unit: float
+    #: The part of the pages that charts cover.
+    coverage: float
+    #: How distorted it is, and what is proved of it, as 32-bit numbers.
+    metrics: Metrics
+    #: The length of all seams, in units of the mesh.
+    seam_length: float
+    #: What had to be repaired, in sentences.
+    repairs: list[str]
+    #: Every chart is valid, of a solver that ended as asked.
+    certified: bool
+    #: How many charts there was no time to finish; they are valid, and may miss the aim.
+    unfinished: int
+
+    @property
+    def certificate(self) -> Certificate:
+        """What is proved of it."""
+        return self.metrics.certificate
+
+    def __iter__(self) -> Iterator[NDArray[Any]]:
+        return iter((self.vmapping, self.indices, self.uvs))
+
+
+@dataclass(frozen=True, eq=False)
+class Packed:
+    """Islands laid out anew."""
+
+    #: The rows of the UVs given, moved: (k, 2) float64 in the unit square. Rows of no corner are at the origin.
+    uv: NDArray[np.float64] = field(repr=False)
+    #: (m,) int32: the island of every face, and its page.
+    island_of_face: NDArray[np.int32] = field(repr=False)
+    page_of_face: NDArray[np.int32] = field(repr=False)
+    #: How many islands and pages there are.
+    islands: int
+    pages: int
+    #: How many texels a unit of the UVs given gets.
+    texels_per_unit: float
+    #: The part of the pages that islands cover.
+    coverage: float
+    #: How distorted the map is, and what is proved of it.
+    metrics: Metrics
+
+    @property
+    def certificate(self) -> Certificate:
+        """What is proved of it."""
+        return self.metrics.certificate
+
+
+@dataclass(frozen=True, eq=False)
+class MeshFile:
+    """What a mesh file holds."""
+
+    #: (n, 3) float64.
+    vertices: NDArray[np.float64] = field(repr=False)
+    #: (m, 3) uint32; polygons are cut into triangles.
+    faces: NDArray[np.uint32] = field(repr=False)
+    #: (k, 2) float64, if every corner has a UV.
+    uv: NDArray[np.float64] | None = field(repr=False)
+    #: (m, 3) uint32: the row of `uv` of every corner.
+    uv_faces: NDArray[np.uint32] | None = field(repr=False)
+    #: What was done to get there, and what was left alone, in sentences.
+    notes: list[str]
+
+
+def metrics_of(known: dict[str, Any]) -> Metrics:
+    """The dict of the native part as what it stands for."""
+    return Metrics(**{**known, "certificate": Certificate(**known["certificate"])})
+
+
+def with_metrics(known: dict[str, Any]) -> dict[str, Any]:
+    """The same for a dict that has one."""
+    return {**known, "metrics": metrics_of(known["metrics"])}

@@ -1,0 +1,42 @@
+"""The names that settings take, and what progress is told to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Literal, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from ._results import Progress
+
+Reals = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Solver = Literal[
+    "auto",
+    "linabf",
+    "abf",
+    "abf++",
+    "abf-newton",
+    "abf-fixed-target",
+    "uzawa",
+    "minres",
+    "barrier",
+    "descent",
+    "lscm",
+]
+Layout = Literal["auto", "tree", "least-squares", "least-squares-weighted", "poisson"]
+ZeroArea = Literal["carry", "refuse"]
+Wheel = Literal["product", "log"]
+Hessian = Literal["exact", "gauss-newton"]
+LineSearch = Literal["merit", "full"]
+Reduction = Literal["none", "triangles"]
+Preconditioner = Literal["none", "jacobi", "block"]
+Holes = Literal["auto", "fill", "fill-fan", "fill-ears", "cut", "free"]
+Weld = Union[Literal["auto", "off"], float]
+DoubleSided = Literal["own", "shared"]
+Pages = Literal["one", "per-component", "per-material"]
+Effort = Literal["fast", "good", "best"]
+Precision = Literal["single", "double"]
+OnProgress = Callable[["Progress"], object]

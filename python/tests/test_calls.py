@@ -1,0 +1,184 @@
+"""What the functions give back."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import pickle
+from pathlib import Path
+from typing import Any
+
+import abf_flatten as abf
+import numpy as np
+import pytest
+from conftest import Mesh
+from numpy.typing import NDArray
+
+
+@pytest.mark.parametrize("name", ["__init__", "_flatten", "_unwrap", "_judge", "_pack", "_files"])
+def test_the_examples_in_the_docstrings_run(name: str) -> None:
+    module = importlib.import_module("abf_flatten" if name == "__init__" else f"abf_flatten.{name}")
+    ran = doctest.testmod(module)
+    assert ran.attempted > 0
+    assert ran.failed == 0
+
+
+def test_a_disk_is_flattened_and_proved(disk: Mesh) -> None:
+    vertices, faces = disk
+    flat = abf.flatten(vertices, faces)
+    assert flat.uv.shape == (len(vertices), 2)
+    assert flat.uv.dtype == np.float64
+    assert flat.certified and flat.certificate and flat.certificate.injective
+    assert flat.metrics.triangles == len(faces)
+    assert flat.metrics.uv_area == pytest.approx(flat.metrics.surface_area)
+    assert flat.tried == [flat.solver] == ["linabf"]
+    assert abf.flatten(vertices, faces, normalize=True).uv.max() == pytest.approx(1)
+
+
+def test_the_uvs_say_the_same_when_they_are_judged_anew(disk: Mesh) -> None:
+    flat = abf.flatten(*disk)
+    known = abf.metrics(*disk, flat.uv)
+    assert (known.f, known.stretch_l2) == (flat.metrics.f, flat.metrics.stretch_l2)
+    assert abf.metrics(*disk, flat.uv, as_stored=True).f == known.f
+    assert abf.certify(*disk, flat.uv) == known.certificate
+    turned = flat.uv.copy()
+    turned[21] += 10
+    spoilt = abf.certify(*disk, turned)
+    assert not spoilt and spoilt.flips > 0 and spoilt.flipped_faces
+
+
+@pytest.mark.parametrize("solver", abf.solvers)
+def test_every_solver_takes_its_name(disk: Mesh, solver: str) -> None:
+    flat = abf.flatten(*disk, solver=solver)  # type: ignore[arg-type]
+    assert flat.certificate.valid
+    assert solver in ("auto", flat.solver)
+
+
+def test_settings_reach_their_solver(disk: Mesh) -> None:
+    once = abf.flatten(*disk, solver="linabf", passes=1)
+    assert once.termination != abf.flatten(*disk, solver="linabf").termination
+    loose = abf.flatten(*disk, solver="uzawa", inner_tolerance=1e-2, max_inner_iterations=5, reduction="none")
+    assert loose.metrics.f != abf.flatten(*disk, solver="uzawa").metrics.f
+    assert abf.flatten(*disk, layout="poisson").certificate
+    assert abf.flatten(*disk, time_limit=0.0).termination == "time-limit"
+
+
+def test_the_bits_are_the_same_for_any_number_of_threads(disk: Mesh, ring: Mesh) -> None:
+    flat = [abf.flatten(*disk, threads=threads).uv for threads in (None, 1, 3)]
+    assert np.array_equal(flat[0], flat[1]) and np.array_equal(flat[0], flat[2])
+    uvs = [abf.unwrap(*ring, threads=threads).uvs for threads in (None, 1, 3)]
+    assert np.array_equal(uvs[0], uvs[1]) and np.array_equal(uvs[0], uvs[2])
+
+
+def test_a_closed_surface_becomes_an_atlas(ring: Mesh) -> None:
+    vertices, faces = ring
+    flat = abf.unwrap(vertices, faces)
+    vmapping, indices, uvs = flat
+    assert [array.dtype.name for array in flat] == ["uint32", "uint32", "float32"]
+    assert np.array_equal(vmapping[indices], faces)
+    assert np.array_equal(vmapping[: len(vertices)], np.arange(len(vertices)))
+    assert 0 <= uvs.min() and uvs.max() <= 1
+    assert flat.certified and flat.certificate.injective
+    assert flat.metrics.stretch_l2 <= 1.15
+    assert set(flat.chart_of_face) == set(range(flat.charts))
+    assert set(flat.page_of_face) == {0}
+    assert flat.repairs == [] and flat.unfinished == 0
+    # 32-bit numbers, judged by someone else.
+    assert abf.certify(vertices[vmapping], indices, uvs, precision="single").injective
+
+
+def test_marked_edges_are_seams(disk: Mesh) -> None:
+    vertices, faces = disk
+    across = np.arange(20) + 20 * 10
+    marked = np.stack([across[:-1], across[1:]], -1)
+    assert abf.unwrap(vertices, faces).charts == 1
+    parted = abf.unwrap(vertices, faces, seams=marked)
+    assert parted.charts == 2
+    assert parted.seam_length == pytest.approx(np.linalg.norm(np.diff(vertices[across], axis=0), axis=1).sum())
+
+
+def test_seams_of_uvs_and_borders_of_materials_are_kept(disk: Mesh) -> None:
+    vertices, faces = disk
+    left = vertices[faces].mean(1)[:, 0] < 0.5
+    two = np.where(left, "brick", "glass")
+    assert abf.unwrap(vertices, faces, seams="keep", materials=two).charts == 2
+    assert abf.unwrap(vertices, faces, materials=two).charts == 1
+    assert abf.unwrap(vertices, faces, atlas="per-material", materials=two).pages == 2
+    known = abf.unwrap(vertices, faces, seams="keep", materials=two)
+    again = abf.unwrap(vertices, faces, seams="keep", uv=known.uvs, uv_faces=known.indices)
+    assert again.charts == 2
+
+
+def test_objects_are_not_joined(disk: Mesh) -> None:
+    vertices, faces = disk
+    both = np.concatenate([vertices, vertices + [1, 0, 0]])
+    twice = np.concatenate([faces, faces + len(vertices)])
+    of_object = np.repeat([0, 1], len(faces))
+    assert abf.unwrap(both, twice, objects=of_object).charts == 2
+
+
+def test_no_seam_runs_inside_a_polygon() -> None:
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    quads = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    flat = abf.unwrap(corners, triangles, polygons=np.tile(range(6), 2), max_stretch=1.0)
+    halves = flat.indices.reshape(2, 6, 3)
+    assert np.array_equal(halves[0][:, 0], halves[1][:, 0]) and np.array_equal(halves[0][:, 2], halves[1][:, 1])
+
+
+def test_pages_margins_and_texels(ring: Mesh) -> None:
+    small, large = abf.unwrap(*ring, resolution=256), abf.unwrap(*ring, resolution=1024)
+    assert large.texels_per_unit > 3 * small.texels_per_unit
+    given = abf.unwrap(*ring, texels_per_unit=100.0, max_pages=9, pack="fast")
+    assert given.texels_per_unit == 100
+    assert abf.unwrap(*ring, page=(2048, 1024), mip_levels=3).certificate.injective
+    assert abf.unwrap(*ring, margin=40).coverage < abf.unwrap(*ring, margin="auto").coverage
+
+
+def test_islands_are_packed_anew(ring: Mesh) -> None:
+    flat = abf.unwrap(*ring, seams="keep", materials=np.arange(len(ring[1])) // 100)
+    assert flat.charts > 4
+    scattered = flat.uvs + 3.0 * flat.chart_of_face[_face_of(flat.indices, len(flat.uvs))][:, None]
+    packed = abf.pack(ring[0][flat.vmapping], flat.indices, scattered)
+    assert packed.uv.shape == flat.uvs.shape
+    assert packed.islands == flat.charts
+    assert packed.certificate.injective and packed.uv.min() >= 0 and packed.uv.max() <= 1
+
+
+def _face_of(indices: NDArray[Any], count: int) -> NDArray[np.int64]:
+    face: NDArray[np.int64] = np.zeros(count, np.int64)
+    face[indices.reshape(-1)] = np.arange(indices.size) // 3
+    return face
+
+
+def test_files_are_written_and_read(ring: Mesh, tmp_path: Path) -> None:
+    flat = abf.unwrap(*ring)
+    for name in ("torus.obj", "torus.ply"):
+        path = tmp_path / name
+        abf.write(path, ring[0], ring[1], flat.uvs, flat.indices)
+        back = abf.read(path)
+        assert np.array_equal(back.vertices, ring[0]) and np.array_equal(back.faces, ring[1])
+        assert back.uv is not None and back.uv_faces is not None
+        assert np.array_equal(back.uv[back.uv_faces], flat.uvs[flat.indices])
+        parsed = abf.parse(name, path.read_bytes())
+        assert np.array_equal(parsed.vertices, back.vertices)
+    abf.write(str(tmp_path / "torus.glb"), *ring)
+    assert abf.read(str(tmp_path / "torus.glb")).uv is None
+
+
+def test_results_can_be_pickled(disk: Mesh, ring: Mesh) -> None:
+    flat = pickle.loads(pickle.dumps(abf.flatten(*disk)))
+    assert flat.certificate and flat.uv.shape == (400, 2)
+    assert len(list(pickle.loads(pickle.dumps(abf.unwrap(*ring))))) == 3
+    error = pickle.loads(pickle.dumps(abf.NotADiskError("no disk")))
+    assert isinstance(error, abf.NotADiskError) and str(error) == "no disk"
+
+
+def test_a_result_is_handed_over_without_a_copy(disk: Mesh) -> None:
+    flat = abf.flatten(*disk)
+    owner = flat.uv.base if flat.uv.base is not None else flat.uv
+    while isinstance(owner, np.ndarray) and owner.base is not None:
+        owner = owner.base
+    # The memory is Rust's: NumPy did not allocate it.
+    assert type(owner).__name__ == "PySliceContainer"
+    assert flat.uv.flags.writeable and flat.uv.flags.c_contiguous
