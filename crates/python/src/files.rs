@@ -25,7 +25,7 @@ pub(crate) fn parse<'py>(py: Python<'py>, name: PathBuf, data: &[u8]) -> PyResul
             "{name}: the extension names no known mesh format; known are {known}"
         )));
     };
-    let shown = name.display().to_string();
+    let shown = name.into_os_string().to_string_lossy().into_owned();
     let file = Supervision::new(None, None, 0)
         .run(py, move |_| io::parse(format, &shown, data).map_err(|e| of_reading(&e)))?;
     mesh_file(py, &file)

@@ -5,9 +5,9 @@ use crate::errors::{Raised, SettingError};
 use crate::results;
 use crate::settings::Keywords;
 use crate::supervise::Supervision;
-use abf::control::{Event, ask};
+use abf::control::ask;
 use abf::metrics::{certify_asking, measure};
-use abf::{JudgeSettings, Precision, judge};
+use abf::{Event, JudgeSettings, Precision, judge};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -5,7 +5,7 @@ use crate::errors::Raised;
 use crate::results::metrics;
 use crate::settings::Keywords;
 use crate::supervise::Supervision;
-use abf::{Precision, Repack};
+use abf::{Precision, Repack, Stored};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -29,7 +29,7 @@ pub(crate) fn pack<'py>(
     let packed = Supervision::new(threads, None, given.face_count()).run(py, |_| {
         let mesh = given.mesh()?;
         let map = known.map(&mesh)?;
-        repack.run(&mesh, &map, materials.as_deref(), (|p| p, Precision::Double)).map_err(Raised::raised)
+        repack.run(&mesh, &map, materials.as_deref(), Stored::in_precision(Precision::Double)).map_err(Raised::raised)
     })?;
     let page = |island: &usize| packed.placements[*island].page as i32;
     let out = PyDict::new(py);

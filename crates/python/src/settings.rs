@@ -1,10 +1,9 @@
 //! From keywords to the settings of the library. Names, ranges and defaults are those of the command line.
 
 use crate::errors::SettingError;
-use abf::solve_core::InnerTolerance;
 use abf::{
-    Atlas, AtlasPages, DoubleSided, Effort, EstimateSettings, HoleRule, LayoutKind, LayoutSettings, Pipeline, SeamRule,
-    Solver, SolverKind, SolverParts, StopCriteria, Unwrap, Weld,
+    Atlas, AtlasPages, DoubleSided, Effort, GuessSettings, HoleRule, InnerTolerance, LayoutKind, LayoutSettings,
+    Pipeline, SeamRule, Solver, SolverKind, SolverParts, StopCriteria, Unwrap, Weld,
 };
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
@@ -70,7 +69,7 @@ impl<'py> Keywords<'py> {
 
     /// How a disk or a chart is flattened.
     pub(crate) fn pipeline(&self) -> PyResult<Pipeline> {
-        let (estimate, stop, plain) = (EstimateSettings::default(), StopCriteria::default(), Pipeline::default());
+        let (estimate, stop, plain) = (GuessSettings::default(), StopCriteria::default(), Pipeline::default());
         let solver = self.solver()?;
         let kind = solver.kind();
         let concerns = [
@@ -90,7 +89,7 @@ impl<'py> Keywords<'py> {
         Ok(Pipeline {
             solver,
             zero_area: self.choice("zero_area")?.unwrap_or(plain.zero_area),
-            estimate: EstimateSettings {
+            initial_guess: GuessSettings {
                 ring_switch: self.word_or("ring_switch", "off")?.unwrap_or(estimate.ring_switch),
                 angle_bound: self.value("angle_bound")?.unwrap_or(estimate.angle_bound),
                 ..estimate

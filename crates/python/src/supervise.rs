@@ -5,7 +5,7 @@
 //! moment, sees to signals and progress, and aborts the work when either raises.
 
 use crate::pools::Lease;
-use abf::{Event, Observer, Place, Stage, Verdict};
+use abf::{Event, Observer, Stage, UnwrapProgress, Verdict};
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -142,8 +142,8 @@ impl Observer for Relay<'_> {
         self.verdict(0, event)
     }
 
-    fn observe_at(&mut self, place: Place, event: Event<'_>) -> Verdict {
-        self.verdict(place.faces_done, event)
+    fn observe_at(&mut self, progress: UnwrapProgress, event: Event<'_>) -> Verdict {
+        self.verdict(progress.faces_done, event)
     }
 }
 
