@@ -25,11 +25,15 @@ const LAYERS: &[(&str, u32)] = &[
     ("abf", 5),
     ("abf-report", 5),
     ("abf-python", 6),
+    ("abf-capi", 6),
     ("bench-harness", 6),
 ];
 
 /// What the names of solvers begin with, and their layer. `abf-solve-core`, below them, is listed.
 const SOLVERS: (&str, u32) = ("abf-solve-", 4);
+
+/// The crate that takes pointers. It repeats the lints of the workspace, but that it denies `unsafe_code` instead of forbidding it.
+const WITH_POINTERS: &str = "abf-capi";
 
 /// The crate of test meshes, which tests of its own layer may use, too.
 const TEST_MESHES: &str = "abf-shapes";
@@ -260,8 +264,38 @@ fn only_mesh_io_and_the_program_touch_files() {
 fn every_crate_takes_its_lints_and_versions_from_the_workspace() {
     for package in metadata().packages {
         let manifest = std::fs::read_to_string(&package.manifest_path).expect("a manifest");
-        assert!(manifest.contains("[lints]\nworkspace = true"), "{} sets its own lints", package.name);
+        if *package.name != WITH_POINTERS {
+            assert!(manifest.contains("[lints]\nworkspace = true"), "{} sets its own lints", package.name);
+        }
         let own: Vec<&str> = manifest.lines().filter(|line| line.contains("version = \"")).collect();
         assert!(own.is_empty(), "{} names versions of its own: {own:?}", package.name);
     }
+}
+
+#[test]
+fn the_crate_with_pointers_has_the_lints_of_the_workspace_but_one() {
+    let metadata = metadata();
+    let root = std::fs::read_to_string(metadata.workspace_root.join("Cargo.toml")).expect("a manifest");
+    let package = metadata.packages.iter().find(|package| *package.name == WITH_POINTERS).expect("the C interface");
+    let own = std::fs::read_to_string(&package.manifest_path).expect("a manifest");
+    for tool in ["rust", "clippy"] {
+        let shared: Vec<String> = section(&root, &format!("[workspace.lints.{tool}]"))
+            .map(|line| line.replace("unsafe_code = \"forbid\"", "unsafe_code = \"deny\""))
+            .collect();
+        assert!(!shared.is_empty());
+        assert_eq!(section(&own, &format!("[lints.{tool}]")).collect::<Vec<_>>(), shared);
+    }
+}
+
+/// The settings under a head of a manifest.
+fn section<'a>(manifest: &'a str, head: &'a str) -> impl Iterator<Item = &'a str> {
+    let lines =
+        manifest.lines().skip_while(move |line| *line != head).skip(1).take_while(|line| !line.starts_with('['));
+    lines.filter(|line| !line.is_empty() && !line.starts_with('#'))
+}
+
+#[test]
+fn only_the_entry_points_of_the_c_interface_are_unsafe() {
+    let allowed = ["allow(unsafe_code", "expect(unsafe_code"];
+    assert_eq!(offenders(&allowed, &["capi/src/entry/"]), [""; 0]);
 }

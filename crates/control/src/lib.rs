@@ -6,11 +6,13 @@
 //!
 //! A solver asks through a [`Watch`], which knows the time limit, too. Code without a time limit uses [`ask`].
 
+mod clock;
 mod error;
 mod observe;
 mod record;
 mod stop;
 
+pub use clock::set_clock;
 pub use error::{Cancelled, SettingError, UnknownName};
 pub use observe::{Checkpoint, Event, Observer, Silent, Stage, UnwrapProgress, Verdict, Watch, ask, at_block};
 pub use record::{Fallback, IterationRecord, Termination};

@@ -1,7 +1,7 @@
 //! Progress and cancellation.
 
-use crate::{Cancelled, IterationRecord, StopCriteria, Termination};
-use web_time::Instant;
+use crate::{Cancelled, IterationRecord, StopCriteria, Termination, clock};
+use std::time::Duration;
 
 /// The parts of flattening a mesh, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -129,7 +129,7 @@ impl Observer for Silent {
 /// An observer with the clock of one solve: what a solver asks whether it may go on.
 pub struct Watch<'a> {
     observer: &'a mut dyn Observer,
-    deadline: Option<Instant>,
+    deadline: Option<Duration>,
     iteration: usize,
     interruption: Option<Termination>,
     is_aborted: bool,
@@ -190,19 +190,22 @@ impl<'a> Watch<'a> {
                 return Err(Cancelled);
             }
             Verdict::Stop => self.interruption = Some(Termination::Cancelled),
-            Verdict::Continue if self.interruption.is_none() && self.deadline.is_some_and(|d| Instant::now() >= d) => {
+            Verdict::Continue if self.interruption.is_none() && self.is_late() => {
                 self.interruption = Some(Termination::TimeLimit);
             }
             Verdict::Continue => {}
         }
         Ok(())
     }
+
+    fn is_late(&self) -> bool {
+        self.deadline.is_some_and(|deadline| clock::now().is_some_and(|now| now >= deadline))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
 
     struct StopAt(usize);
 

@@ -1,8 +1,7 @@
 //! When to stop.
 
-use crate::SettingError;
+use crate::{SettingError, clock};
 use std::time::Duration;
-use web_time::Instant;
 
 /// When a solver stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +14,8 @@ pub struct StopCriteria {
     pub step_tolerance: f64,
     /// At most so many outer iterations or passes.
     pub max_iterations: usize,
-    /// At most so long, counted from the start of the solve. `None`: however long it takes.
+    /// At most so long, counted from the start of the solve. `None`: however long it takes. Where there is no clock
+    /// ([`set_clock`](crate::set_clock)) it has to be `None`.
     pub time_limit: Option<Duration>,
 }
 
@@ -39,13 +39,19 @@ impl StopCriteria {
         if self.max_iterations == 0 {
             return Err(SettingError::new("max_iterations", "at least 1", 0));
         }
-        Ok(())
+        match self.time_limit {
+            Some(limit) if clock::now().is_none() => {
+                let allowed = "none where there is no clock: hand one to abf_control::set_clock";
+                Err(SettingError::new("time_limit", allowed, format_args!("{limit:?}")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Starts the clock, if there is a limit. Nothing else in the library reads a clock.
-    pub(crate) fn deadline(&self) -> Option<Instant> {
+    pub(crate) fn deadline(&self) -> Option<Duration> {
         // A limit too far away to be represented is no limit.
-        self.time_limit.and_then(|limit| Instant::now().checked_add(limit))
+        self.time_limit.and_then(|limit| clock::now()?.checked_add(limit))
     }
 }
 
@@ -53,7 +59,7 @@ impl StopCriteria {
 #[derive(Clone, Copy, Debug)]
 pub struct TimeBudget {
     stop: StopCriteria,
-    deadline: Option<Instant>,
+    deadline: Option<Duration>,
 }
 
 impl TimeBudget {
@@ -66,7 +72,7 @@ impl TimeBudget {
     /// The criteria for the next solve: the same, with the time that is left.
     #[must_use]
     pub fn left(&self) -> StopCriteria {
-        let time_limit = self.deadline.map(|deadline| deadline.saturating_duration_since(Instant::now()));
+        let time_limit = self.deadline.map(|deadline| deadline.saturating_sub(clock::now().unwrap_or_default()));
         StopCriteria { time_limit, ..self.stop }
     }
 

@@ -1,0 +1,275 @@
+//! What other languages call: pointers are checked here, and nowhere else.
+#![allow(unsafe_code, reason = "pointers of a caller")]
+#![allow(
+    clippy::missing_safety_doc,
+    reason = "the comments are those of the header, which says what callers must keep"
+)]
+
+#[cfg(target_arch = "wasm32")]
+pub mod web;
+
+use crate::event::{ABF_CONTINUE, AbfEvent};
+use crate::options::{AbfOptions, Names, Settings};
+use crate::run;
+use crate::status::{AbfStatus, Failure};
+use crate::view::{AbfResult, AbfView, text};
+use std::any::Any;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::{ptr, slice};
+
+thread_local!(static LAST: RefCell<CString> = RefCell::default());
+
+/// Flattens a disk: one UV per vertex.
+///
+/// `positions` has three numbers per vertex, `indices` three vertices per triangle. `options` may be null. `*result` is a result
+/// to be freed by `abf_result_free`, or null where the status is not `ABF_STATUS_OK`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn abf_flatten(
+    positions: *const f64,
+    vertex_count: usize,
+    indices: *const u32,
+    index_count: usize,
+    options: *const AbfOptions,
+    result: *mut *mut AbfResult,
+) -> AbfStatus {
+    // SAFETY: the caller's arrays are as long as said, and `result` may be written to.
+    unsafe {
+        give(result, || {
+            let (settings, mut host) = read_options(options)?;
+            check_count(vertex_count, size_of::<[f64; 3]>(), "vertex_count")?;
+            check_count(index_count, size_of::<u32>(), "index_count")?;
+            let positions = array(positions, 3 * vertex_count, "positions")?;
+            let indices = array(indices, index_count, "indices")?;
+            run::flatten(positions.as_chunks().0, indices, &settings, &mut |event| host.tell(event))
+        })
+    }
+}
+
+/// Unwraps any mesh into an atlas: it is repaired, cut, flattened and packed. Vertices are split where seams run.
+///
+/// `positions` has three numbers per vertex; `stride` is the distance from a vertex to the next in bytes, a multiple of 4; 0: 12.
+/// `indices` has three vertices per triangle. `options` may be null. `*result` is a result to be freed by `abf_result_free`, or
+/// null where the status is not `ABF_STATUS_OK`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn abf_unwrap(
+    positions: *const f32,
+    vertex_count: usize,
+    stride: usize,
+    indices: *const u32,
+    index_count: usize,
+    options: *const AbfOptions,
+    result: *mut *mut AbfResult,
+) -> AbfStatus {
+    // SAFETY: the caller's arrays are as long as said, and `result` may be written to.
+    unsafe {
+        give(result, || {
+            let (settings, mut host) = read_options(options)?;
+            let stride = if stride == 0 { size_of::<[f32; 3]>() } else { stride };
+            if stride < size_of::<[f32; 3]>() || !stride.is_multiple_of(size_of::<f32>()) {
+                let text = format!("stride must be a multiple of 4 and at least 12 bytes, got {stride}");
+                return Err(Failure::new(AbfStatus::Stride, text));
+            }
+            check_count(vertex_count, stride, "vertex_count")?;
+            check_count(index_count, size_of::<u32>(), "index_count")?;
+            let per_vertex = stride / size_of::<f32>();
+            // The last vertex need not be followed by what lies between two.
+            let count = vertex_count.saturating_sub(1) * per_vertex + if vertex_count == 0 { 0 } else { 3 };
+            let numbers = array(positions, count, "positions")?;
+            let positions: Vec<[f32; 3]> = numbers.chunks(per_vertex).map(|v| [v[0], v[1], v[2]]).collect();
+            let indices = array(indices, index_count, "indices")?;
+            run::unwrap(&positions, indices, &settings, &mut |event| host.tell(event))
+        })
+    }
+}
+
+/// Shows what a result holds. `view->size` must be `sizeof(AbfView)`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn abf_result_view(result: *const AbfResult, view: *mut AbfView) -> AbfStatus {
+    guarded(|| {
+        check_pointer(result, "result")?;
+        check_pointer(view, "view")?;
+        // SAFETY: both are what the caller says. Of the view only the size is read: the rest may be uninitialised.
+        unsafe {
+            let size = ptr::addr_of!((*view).size).read();
+            check_size(size, size_of::<AbfView>(), "AbfView")?;
+            view.write((*result).view());
+        }
+        Ok(())
+    })
+}
+
+/// Frees a result. Null is fine.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn abf_result_free(result: *mut AbfResult) {
+    if !result.is_null() {
+        // SAFETY: it came out of a box here, and the caller frees it once.
+        let result = unsafe { Box::from_raw(result) };
+        // Nothing in it can panic; if it does, the caller is not unwound.
+        let _ = catch_unwind(AssertUnwindSafe(|| drop(result)));
+    }
+}
+
+/// Why the last call that failed on this thread did so. Valid until the next call on this thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn abf_last_error() -> *const c_char {
+    LAST.try_with(|last| last.try_borrow().map_or(ptr::null(), |text| text.as_ptr())).unwrap_or(c"".as_ptr())
+}
+
+/// The name of a status, such as "not-a-disk". Of a number that is no status: "unknown".
+#[unsafe(no_mangle)]
+pub extern "C" fn abf_status_name(status: i32) -> *const c_char {
+    let known = usize::try_from(status).ok().and_then(|code| AbfStatus::ALL.get(code));
+    known.map_or(c"unknown", |status| status.name()).as_ptr()
+}
+
+/// About how many bytes it takes at most to flatten a disk; what `max_memory` is compared with. Null stands for "auto".
+/// 0 means that there is no such solver.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn abf_predict_memory(solver: *const c_char, triangles: usize, vertices: usize) -> u64 {
+    let mut bytes = 0;
+    guarded(|| {
+        // SAFETY: the caller's text ends with a zero.
+        let solver = unsafe { name(solver) };
+        bytes = run::predict(solver.as_deref(), triangles, vertices)?;
+        Ok(())
+    });
+    bytes
+}
+
+/// The version of the library: 10000 major + 100 minor + patch.
+#[unsafe(no_mangle)]
+pub extern "C" fn abf_version() -> u32 {
+    VERSION
+}
+
+const VERSION: u32 = 10_000 * number(env!("CARGO_PKG_VERSION_MAJOR"))
+    + 100 * number(env!("CARGO_PKG_VERSION_MINOR"))
+    + number(env!("CARGO_PKG_VERSION_PATCH"));
+
+const fn number(digits: &str) -> u32 {
+    match u32::from_str_radix(digits, 10) {
+        Ok(number) => number,
+        Err(_) => panic!("a version is made of numbers"),
+    }
+}
+
+/// A callback with what it wants to be handed.
+struct Host {
+    call: Option<unsafe extern "C" fn(*mut c_void, *const AbfEvent) -> i32>,
+    user: *mut c_void,
+}
+
+// SAFETY: the header says that the callback runs on another thread, one at a time.
+unsafe impl Send for Host {}
+
+impl Host {
+    fn tell(&mut self, event: &AbfEvent) -> i32 {
+        // SAFETY: it is what the caller says that it is.
+        self.call.map_or(ABF_CONTINUE, |call| unsafe { call(self.user, event) })
+    }
+}
+
+/// Reads options, and keeps nothing of them that is the caller's but the callback.
+unsafe fn read_options(options: *const AbfOptions) -> Result<(Settings, Host), Failure> {
+    if options.is_null() {
+        return Ok((Settings::default(), Host { call: None, user: ptr::null_mut() }));
+    }
+    check_pointer(options, "options")?;
+    // SAFETY: it points to options of the size that it says, and names end with a zero. Nothing but the size is read before it
+    // is known to be right.
+    unsafe {
+        check_size(ptr::addr_of!((*options).size).read(), size_of::<AbfOptions>(), "AbfOptions")?;
+        let options = *options;
+        let names = Names {
+            solver: name(options.solver),
+            layout: name(options.layout),
+            weld: name(options.weld),
+            holes: name(options.holes),
+            double_sided: name(options.double_sided),
+            pack: name(options.pack),
+        };
+        Ok((Settings::read(&options, &names)?, Host { call: options.progress, user: options.user }))
+    }
+}
+
+unsafe fn name(text: *const c_char) -> Option<String> {
+    // SAFETY: it ends with a zero.
+    (!text.is_null()).then(|| unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned())
+}
+
+unsafe fn array<'a, T>(start: *const T, count: usize, what: &str) -> Result<&'a [T], Failure> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    check_pointer(start, what)?;
+    // SAFETY: it is neither null nor misaligned, the caller says that so many are there, and the size was checked.
+    Ok(unsafe { slice::from_raw_parts(start, count) })
+}
+
+fn check_pointer<T>(pointer: *const T, what: &str) -> Result<(), Failure> {
+    if pointer.is_null() {
+        return Err(Failure::new(AbfStatus::Pointer, format!("{what} is null")));
+    }
+    if !pointer.is_aligned() {
+        let text = format!("{what} is not aligned to {} bytes", align_of::<T>());
+        return Err(Failure::new(AbfStatus::Pointer, text));
+    }
+    Ok(())
+}
+
+/// Whether so many elements of so many bytes can be in memory, and be counted in 32 bits.
+fn check_count(count: usize, bytes: usize, what: &str) -> Result<(), Failure> {
+    let fits = count.checked_mul(bytes).is_some_and(|size| isize::try_from(size).is_ok());
+    if fits && u32::try_from(count).is_ok() {
+        return Ok(());
+    }
+    Err(Failure::new(AbfStatus::TooLarge, format!("{what} is {count}: no array has so many elements of {bytes} bytes")))
+}
+
+fn check_size(given: usize, known: usize, what: &str) -> Result<(), Failure> {
+    if given == known {
+        return Ok(());
+    }
+    let text =
+        format!("size is {given}, and sizeof({what}) is {known}: was it set, and is the header that of this library?");
+    Err(Failure::new(AbfStatus::StructSize, text))
+}
+
+/// Hands a result over. `*result` is null where there is none.
+unsafe fn give(result: *mut *mut AbfResult, work: impl FnOnce() -> Result<AbfResult, Failure>) -> AbfStatus {
+    guarded(|| {
+        check_pointer(result, "result")?;
+        // SAFETY: the caller says that it may be written to.
+        unsafe {
+            *result = ptr::null_mut();
+            *result = Box::into_raw(Box::new(work()?));
+        }
+        Ok(())
+    })
+}
+
+/// Runs without unwinding, and keeps the sentence of a failure.
+fn guarded(work: impl FnOnce() -> Result<(), Failure>) -> AbfStatus {
+    let failure = match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(())) => return AbfStatus::Ok,
+        Ok(Err(failure)) => failure,
+        Err(panic) => Failure::new(AbfStatus::Internal, message(&*panic)),
+    };
+    keep(&failure.text);
+    failure.status
+}
+
+fn keep(sentence: &str) {
+    // A thread that is about to end has no place for it any more.
+    let _ = LAST.try_with(|last| last.try_borrow_mut().map(|mut last| *last = text(sentence)));
+}
+
+fn message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().cloned();
+    text.or_else(|| panic.downcast_ref::<&str>().map(|&text| text.to_owned())).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,236 @@
+//! A result, and what its owner sees of it.
+
+use abf::{Flattening, Metrics, Termination, UnwrappedArrays};
+use std::ffi::{CString, c_char};
+use std::ptr;
+
+/// How the solver ended. Of an atlas: the first end that was not as asked, if there is one.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AbfTermination {
+    /// The stopping criteria are met.
+    Converged = 0,
+    /// The one pass, or the one linear solve, that was asked for is done.
+    OnePass = 1,
+    /// The largest number of iterations is done.
+    MaxIterations = 2,
+    /// The time is up.
+    TimeLimit = 3,
+    /// The residual stopped falling.
+    Stalled = 4,
+    /// The callback stopped it.
+    Cancelled = 5,
+}
+
+/// What a result holds. Pointers are valid as long as the result.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct AbfView {
+    /// `sizeof(AbfView)`, set by the caller. Later versions append fields.
+    pub size: usize,
+    /// Vertices of the result. `abf_flatten`: those of the input.
+    pub vertex_count: usize,
+    /// `abf_flatten`: two numbers per vertex, u and v; else null.
+    pub uv64: *const f64,
+    /// `abf_unwrap`: two numbers per vertex, u and v, in the unit square of its page; else null.
+    pub uv32: *const f32,
+    /// `abf_unwrap`: for each vertex the vertex of the input it is a copy of; else null.
+    pub remap: *const u32,
+    /// Triangles, in the order of the input.
+    pub triangle_count: usize,
+    /// `abf_unwrap`: three vertices of the result per triangle; else null: they are those of the input.
+    pub indices: *const u32,
+    /// `abf_unwrap`: the chart of each triangle, `UINT32_MAX` where it is in none; else null.
+    pub triangle_charts: *const u32,
+    /// Charts.
+    pub chart_count: usize,
+    /// `abf_unwrap`: the page of each chart; else null.
+    pub chart_pages: *const u32,
+    /// `abf_unwrap`: pages; else 0.
+    pub page_count: usize,
+    /// `abf_unwrap`: texels of a page along x; else 0.
+    pub width: u32,
+    /// `abf_unwrap`: texels of a page along y; else 0.
+    pub height: u32,
+    /// `abf_unwrap`: texels per unit of the mesh; else 0.
+    pub texels_per_unit: f64,
+    /// `abf_unwrap`: the part of the pages that charts cover; else 0.
+    pub coverage: f64,
+    /// Valid, and every solver ended as asked.
+    pub certified: bool,
+    /// No triangle is flipped or collapsed, no interior vertex wound around twice. Proved with exact signs.
+    pub valid: bool,
+    /// Valid, and nothing lies over anything else.
+    pub injective: bool,
+    /// How the solver ended.
+    pub termination: AbfTermination,
+    /// Triangles that are turned over.
+    pub flips: usize,
+    /// Triangles whose corners lie on one line.
+    pub collapsed: usize,
+    /// Interior vertices that are wound around more than once.
+    pub wound: usize,
+    /// Places where the map lies over itself.
+    pub overlaps: usize,
+    /// `abf_unwrap`: charts that there was no time to finish.
+    pub unfinished: usize,
+    /// F / 3nt, the mean squared angle error, rad².
+    pub angle_error: f64,
+    /// L² stretch, 1 for an isometry.
+    pub stretch_l2: f64,
+    /// L∞ stretch.
+    pub stretch_linf: f64,
+    /// Quasi-conformal distortion, the mean, 1 for a conformal map.
+    pub qc_mean: f64,
+    /// The largest.
+    pub qc_max: f64,
+    /// Area distortion, 0 where areas keep their proportions.
+    pub area_l2: f64,
+    /// Area of the surface, in units of the mesh squared.
+    pub surface_area: f64,
+    /// Area of the map, in UV units squared.
+    pub uv_area: f64,
+    /// Whose result it is; "several" where charts differ.
+    pub solver: *const c_char,
+    /// `abf_unwrap`: what was repaired, sentences separated by ", "; empty where nothing was.
+    pub repairs: *const c_char,
+}
+
+/// A result.
+#[derive(Debug)]
+pub struct AbfResult {
+    uv64: Vec<[f64; 2]>,
+    uv32: Vec<[f32; 2]>,
+    remap: Vec<u32>,
+    indices: Vec<u32>,
+    triangle_charts: Vec<u32>,
+    chart_pages: Vec<u32>,
+    charts: usize,
+    unfinished: usize,
+    page: [u32; 2],
+    pages: usize,
+    texels_per_unit: f64,
+    coverage: f64,
+    certified: bool,
+    termination: AbfTermination,
+    metrics: Metrics,
+    solver: CString,
+    repairs: CString,
+}
+
+impl AbfResult {
+    pub(crate) fn of_disk(flat: &Flattening, metrics: Metrics) -> Self {
+        Self {
+            uv64: flat.uv.points().iter().map(|p| [p.x, p.y]).collect(),
+            uv32: Vec::new(),
+            remap: Vec::new(),
+            indices: Vec::new(),
+            triangle_charts: Vec::new(),
+            chart_pages: Vec::new(),
+            charts: 1,
+            unfinished: 0,
+            page: [0; 2],
+            pages: 0,
+            texels_per_unit: 0.0,
+            coverage: 0.0,
+            certified: flat.is_certified(),
+            termination: of_termination(flat.termination),
+            metrics,
+            solver: text(flat.solver.name()),
+            repairs: CString::default(),
+        }
+    }
+
+    pub(crate) fn of_atlas(arrays: UnwrappedArrays, page: [u32; 2]) -> Self {
+        let UnwrappedArrays { uvs, indices, remap, packed, unwrapped } = arrays;
+        let charts = &unwrapped.charts;
+        let mut triangle_charts = vec![u32::MAX; indices.len() / 3];
+        for (number, chart) in charts.iter().enumerate() {
+            chart.faces.iter().for_each(|face| triangle_charts[face.index()] = number as u32);
+        }
+        let solver = charts.first().map_or("", |chart| chart.solver.name());
+        let is_one = charts.iter().all(|chart| chart.solver.name() == solver);
+        let ends = || charts.iter().map(|chart| chart.termination);
+        let termination = ends().find(|end| !end.is_as_asked()).or_else(|| ends().next());
+        Self {
+            uv64: Vec::new(),
+            uv32: uvs,
+            remap,
+            indices,
+            triangle_charts,
+            chart_pages: packed.placements.iter().map(|placement| placement.page as u32).collect(),
+            charts: charts.len(),
+            unfinished: charts.iter().filter(|chart| chart.unfinished).count(),
+            page,
+            pages: packed.pages,
+            texels_per_unit: packed.texels_per_unit,
+            coverage: packed.coverage,
+            certified: packed.metrics.valid() && charts.iter().all(|chart| chart.is_certified() && !chart.unfinished),
+            termination: termination.map_or(AbfTermination::Converged, of_termination),
+            metrics: packed.metrics,
+            solver: text(if is_one { solver } else { "several" }),
+            repairs: text(&unwrapped.repairs.sentences().join(", ")),
+        }
+    }
+
+    pub(crate) fn view(&self) -> AbfView {
+        let (metrics, certificate) = (&self.metrics, &self.metrics.certificate);
+        AbfView {
+            size: size_of::<AbfView>(),
+            vertex_count: self.uv64.len().max(self.uv32.len()),
+            uv64: start(&self.uv64).cast(),
+            uv32: start(&self.uv32).cast(),
+            remap: start(&self.remap),
+            triangle_count: metrics.triangles.max(self.indices.len() / 3),
+            indices: start(&self.indices),
+            triangle_charts: start(&self.triangle_charts),
+            chart_count: self.charts,
+            chart_pages: start(&self.chart_pages),
+            page_count: self.pages,
+            width: self.page[0],
+            height: self.page[1],
+            texels_per_unit: self.texels_per_unit,
+            coverage: self.coverage,
+            certified: self.certified,
+            valid: certificate.valid(),
+            injective: certificate.injective(),
+            termination: self.termination,
+            flips: certificate.flips,
+            collapsed: certificate.collapsed,
+            wound: certificate.wound,
+            overlaps: certificate.overlaps(),
+            unfinished: self.unfinished,
+            angle_error: metrics.f,
+            stretch_l2: metrics.stretch_l2,
+            stretch_linf: metrics.stretch_linf,
+            qc_mean: metrics.qc_mean,
+            qc_max: metrics.qc_max,
+            area_l2: metrics.area_l2,
+            surface_area: metrics.surface_area,
+            uv_area: metrics.uv_area,
+            solver: self.solver.as_ptr(),
+            repairs: self.repairs.as_ptr(),
+        }
+    }
+}
+
+/// Where an array begins; null where there is none.
+fn start<T>(array: &[T]) -> *const T {
+    if array.is_empty() { ptr::null() } else { array.as_ptr() }
+}
+
+/// Text without a zero byte inside.
+pub(crate) fn text(text: &str) -> CString {
+    CString::new(text.replace('\0', " ")).unwrap_or_default()
+}
+
+fn of_termination(termination: Termination) -> AbfTermination {
+    match termination {
+        Termination::Converged => AbfTermination::Converged,
+        Termination::OnePass => AbfTermination::OnePass,
+        Termination::MaxIterations => AbfTermination::MaxIterations,
+        Termination::TimeLimit => AbfTermination::TimeLimit,
+        Termination::Cancelled => AbfTermination::Cancelled,
+        _ => AbfTermination::Stalled,
+    }
+}

@@ -1,0 +1,189 @@
+/** Numbers: positions x, y, z of vertex after vertex, or indices of triangle after triangle. */
+export type Numbers = Float64Array | Float32Array | Uint32Array | Uint16Array | Uint8Array | readonly number[];
+
+export type Solver =
+  | "auto" | "linabf" | "abf" | "abf++" | "abf-newton" | "abf-fixed-target" | "uzawa" | "minres" | "barrier" | "descent"
+  | "lscm";
+
+/** What happened. Every field has a value; `kind` says which of them are news. */
+export interface Progress {
+  kind: "working" | "stage" | "solver" | "iteration" | "inner";
+  stage: "topology" | "solve" | "layout" | "certificate";
+  /** The solver that begins, else null. */
+  solver: string | null;
+  /** Outer iterations or passes, counted from 1. */
+  iteration: number;
+  inner: number;
+  /** Of an outer iteration max |h|, rad. */
+  residual: number;
+  component: number;
+  components: number;
+  faces: number;
+  /** Faces in finished charts. */
+  facesDone: number;
+  round: number;
+}
+
+/** "stop" ends with the best result so far, "abort" (or false) without one. Nothing (or true) goes on. */
+export type Verdict = "continue" | "stop" | "abort" | boolean | void;
+
+export interface CommonOptions {
+  /** Default "auto": the first of several whose result is certified. */
+  solver?: Solver;
+  layout?: "auto" | "least-squares" | "least-squares-weighted" | "tree" | "poisson";
+  /** Largest constraint residual of a converged solve, rad; default 1e-8. */
+  tolerance?: number;
+  /** Largest last step of a converged solve that minimises, rad; default 1e-7. */
+  stepTolerance?: number;
+  /** Seconds, after which the best result so far is the result; default none. */
+  timeLimit?: number;
+  /** Bytes; a mesh for which more is predicted is refused. What 4 GB cannot hold is refused always. */
+  maxMemory?: number;
+  /** Outer iterations or passes; default 50. */
+  maxIterations?: number;
+  /** Hears of progress on the thread that works. What it throws comes out of the call. */
+  onProgress?: (event: Progress) => Verdict;
+}
+
+export interface FlattenOptions extends CommonOptions {
+  /** Scale into the unit square instead of keeping the area of the surface. */
+  normalize?: boolean;
+}
+
+export interface UnwrapOptions extends CommonOptions {
+  /** Texels along the sides of a square page; default 1024. */
+  resolution?: number;
+  /** Texels along x; default: the resolution. */
+  width?: number;
+  /** Texels along y; default: the width. */
+  height?: number;
+  /** Texels between charts; default 2. */
+  margin?: number;
+  /** Pages that charts may take; default 1. */
+  maxPages?: number;
+  /** Texels per unit of the mesh; default: as many as fit. */
+  texelsPerUnit?: number;
+  /** Seams grow until the L² stretch of every chart is at most this; default 1.15. */
+  maxStretch?: number;
+  /** Edges that turn by at most this are smooth, rad; default π/6. */
+  creaseAngle?: number;
+  /** Longer charts are parted, in widths of a page; default 4; Infinity: none. */
+  maxChartLength?: number;
+  /** Refuse a mesh that needs repair. */
+  strict?: boolean;
+  /** Leave a mesh whole that is one disk. */
+  keepDisks?: boolean;
+  /** Which vertices are joined: a distance as text, or one of these; default "auto". */
+  weld?: "auto" | "off" | `${number}`;
+  holes?: "auto" | "fill" | "fill-fan" | "fill-ears" | "cut" | "free";
+  /** Room for faces with the same vertices; default "own". */
+  doubleSided?: "own" | "shared";
+  /** How hard the packer tries; default "fast". */
+  pack?: "fast" | "good" | "best";
+  /** Bytes from a vertex to the next in positions; default 12. */
+  stride?: number;
+}
+
+/** What is proved and measured of a map. */
+export interface Quality {
+  vertexCount: number;
+  triangleCount: number;
+  chartCount: number;
+  /** Valid, and every solver ended as asked. */
+  certified: boolean;
+  /** No triangle is flipped or collapsed, no interior vertex wound around twice. Proved with exact signs. */
+  valid: boolean;
+  /** Valid, and nothing lies over anything else. */
+  injective: boolean;
+  termination: "converged" | "one-pass" | "max-iterations" | "time-limit" | "stalled" | "cancelled";
+  flips: number;
+  collapsed: number;
+  wound: number;
+  overlaps: number;
+  /** F / 3nt, rad². */
+  angleError: number;
+  /** 1 for an isometry. */
+  stretchL2: number;
+  stretchLinf: number;
+  /** 1 for a conformal map. */
+  qcMean: number;
+  qcMax: number;
+  /** 0 where areas keep their proportions. */
+  areaL2: number;
+  surfaceArea: number;
+  uvArea: number;
+  /** Whose result it is; "several" where charts differ. */
+  solver: string;
+}
+
+export interface Flattened extends Quality {
+  /** u and v of every vertex of the input. */
+  uv: Float64Array;
+}
+
+export interface Unwrapped extends Quality {
+  /** u and v of every new vertex, in the unit square of its page. */
+  uvs: Float32Array;
+  /** Three new vertices per triangle, in the order of the input. */
+  indices: Uint32Array;
+  /** For every new vertex the vertex of the input it is a copy of. */
+  remap: Uint32Array;
+  /** The chart of every triangle; 0xffffffff where it is in none. */
+  triangleCharts: Uint32Array;
+  /** The page of every chart. */
+  chartPages: Uint32Array;
+  pageCount: number;
+  /** Texels of a page. */
+  width: number;
+  height: number;
+  texelsPerUnit: number;
+  /** The part of the pages that charts cover. */
+  coverage: number;
+  /** Charts that there was no time to finish. */
+  unfinished: number;
+  /** What was repaired; empty where nothing was. */
+  repairs: string;
+}
+
+/** The library, loaded. Calls return when they are done: in a page, take `abf-flatten/worker`. */
+export class Abf {
+  constructor(module: WebAssembly.Module);
+  readonly memoryBytes: number;
+  readonly version: number;
+  flatten(positions: Numbers, indices: Numbers, options?: FlattenOptions): Flattened;
+  unwrap(positions: Numbers, indices: Numbers, options?: UnwrapOptions): Unwrapped;
+  /** About how many bytes it takes at most to flatten a disk. */
+  predictMemory(triangles: number, vertexCount: number, solver?: Solver): number;
+}
+
+export type Source = string | URL | Response | ArrayBuffer | ArrayBufferView | WebAssembly.Module;
+
+/** Loads the library: by default abf.wasm beside the package's files, once. */
+export function load(source?: Source): Promise<Abf>;
+/** Compiles the library, to be sent to workers. */
+export function compile(source?: Source): Promise<WebAssembly.Module>;
+/** Flattens a disk: one UV per vertex. */
+export function flatten(positions: Numbers, indices: Numbers, options?: FlattenOptions): Promise<Flattened>;
+/** Unwraps any mesh into an atlas. */
+export function unwrap(positions: Numbers, indices: Numbers, options?: UnwrapOptions): Promise<Unwrapped>;
+
+export type Code =
+  | "pointer" | "struct-size" | "too-large" | "stride" | "index-count" | "index-range" | "not-finite" | "setting"
+  | "not-a-disk" | "topology" | "geometry" | "not-clean" | "memory" | "cancelled" | "no-result" | "packing" | "threads"
+  | "internal" | "input";
+
+/** Every failure of the library. */
+export class AbfError extends Error {
+  constructor(code: Code, message: string);
+  readonly code: Code;
+}
+export class AbfInputError extends AbfError {}
+export class AbfSettingError extends AbfError {}
+export class AbfMeshError extends AbfError {}
+export class AbfMemoryError extends AbfError {}
+export class AbfCancelledError extends AbfError {}
+export class AbfResultError extends AbfError {}
+export class AbfInternalError extends AbfError {}
+export const CODES: readonly Code[];
+/** An error of the class that its code has. */
+export function errorOf(code: Code, message: string): AbfError;

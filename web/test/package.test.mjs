@@ -1,0 +1,139 @@
+// The npm package in Node, against the program in $ABF_PROGRAM.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { existsSync } from "node:fs";
+import { join } from "node:path";
+import test from "node:test";
+import * as abf from "../package/index.js";
+import { cube, obj, sheet, torus } from "./shapes.mjs";
+
+const root = join(import.meta.dirname ?? new URL(".", import.meta.url).pathname, "../..");
+const engine = await abf.load();
+
+/** What the program says of a file. */
+function native(file, ...options) {
+  const said = execFileSync(process.env.ABF_PROGRAM, [file, ...options, "--json", "-"], { maxBuffer: 1 << 28, stdio: ["ignore", "pipe", "ignore"] });
+  return JSON.parse(said).results[0];
+}
+
+test("flatten agrees with the program to seven digits", () => {
+  const models = process.env.ABF_MODELS;
+  const files = ["mask", "hemisphere", "wavy-saddle", "twisted-band"].map((name) => join(root, "fixtures", `${name}.obj`));
+  if (models) files.push(...["paper/cow.obj", "paper/horse.obj", "paper/gargoyle.obj"].map((name) => join(models, name)));
+  else console.log("ABF_MODELS is not set: 3 models are skipped");
+  for (const file of files) {
+    for (const solver of ["linabf", "auto"]) {
+      const { positions, indices } = obj(file);
+      const flat = engine.flatten(positions, indices, { solver });
+      const said = native(file, "--solver", solver);
+      assert.ok(Math.abs(flat.angleError / said.f - 1) < 1e-7, `${file} ${solver}: ${flat.angleError} and ${said.f}`);
+      assert.equal(flat.valid, said.valid);
+      assert.equal(flat.uv.length, (positions.length / 3) * 2);
+    }
+  }
+});
+
+test("a cube and a torus become atlases whose triangles keep their order", async () => {
+  for (const { positions, indices } of [cube, torus(48, 24)]) {
+    const atlas = await abf.unwrap(positions, indices, { resolution: 512, margin: 4 });
+    assert.ok(atlas.certified && atlas.injective && atlas.stretchL2 < 1.15);
+    assert.deepEqual(Uint32Array.from(atlas.indices, (vertex) => atlas.remap[vertex]), indices);
+    assert.equal(atlas.uvs.length, 2 * atlas.remap.length);
+    assert.ok(atlas.uvs.every((x) => x >= 0 && x <= 1));
+    assert.deepEqual([atlas.width, atlas.height, atlas.pageCount], [512, 512, 1]);
+    assert.ok(atlas.triangleCharts.every((chart) => chart < atlas.chartCount));
+  }
+});
+
+test("arrays of any kind are taken, and a stride skips what lies between", () => {
+  const { positions, indices } = cube;
+  const expected = engine.unwrap(positions, indices);
+  const plain = engine.unwrap([...positions], [...indices]);
+  const short = engine.unwrap(Float64Array.from(positions), Uint16Array.from(indices));
+  const apart = new Float32Array(8 * 5).fill(NaN);
+  for (let v = 0; v < 8; ++v) apart.set(positions.subarray(3 * v, 3 * v + 3), 5 * v);
+  const strided = engine.unwrap(apart, indices, { stride: 20 });
+  for (const other of [plain, short, strided]) assert.deepEqual(other.uvs, expected.uvs);
+});
+
+test("every wrong input has a class and a code", () => {
+  const { positions, indices } = cube;
+  const triangle = [new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]), [0, 1, 2]];
+  const cases = [
+    [() => engine.unwrap(positions, indices.subarray(1)), abf.AbfInputError, "index-count"],
+    [() => engine.unwrap(positions, [0, 1, 8]), abf.AbfInputError, "index-range"],
+    [() => engine.unwrap(positions, [0, 1, -1]), abf.AbfInputError, "index-range"],
+    [() => engine.unwrap(positions, [0, 1, 1.5]), abf.AbfInputError, "index-range"],
+    [() => engine.unwrap(positions.subarray(1), indices), abf.AbfInputError, "input"],
+    [() => engine.unwrap("positions", indices), abf.AbfInputError, "input"],
+    [() => engine.unwrap([0, 0, NaN, 1, 0, 0, 0, 1, 0], [0, 1, 2]), abf.AbfInputError, "not-finite"],
+    [() => engine.unwrap(positions, indices, { stride: 10 }), abf.AbfInputError, "stride"],
+    [() => engine.unwrap(positions, indices, { solver: "abc" }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { maxstretch: 2 }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { resolution: -1 }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { timeLimit: 0 }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { normalize: true }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(positions, indices), abf.AbfMeshError, "not-a-disk"],
+    [() => engine.flatten(positions, []), abf.AbfMeshError, "topology"],
+    [() => engine.unwrap([0, 0, 0, 1, 0, 0, 2, 0, 0], [0, 1, 2]), abf.AbfMeshError, "geometry"],
+    [() => engine.unwrap(positions, [...indices, 0, 1, 2], { strict: true }), abf.AbfMeshError, "not-clean"],
+    [() => engine.unwrap(...triangle, { maxMemory: 1000 }), abf.AbfMemoryError, "memory"],
+    [() => engine.unwrap(positions, indices, { texelsPerUnit: 1e5 }), abf.AbfResultError, "packing"],
+  ];
+  for (const [call, type, code] of cases) {
+    assert.throws(call, (error) => error instanceof type && error instanceof abf.AbfError && error.code === code && error.message.length > 9, code);
+  }
+  assert.ok(engine.unwrap(positions, indices).injective);
+});
+
+test("what 4 GB cannot hold is refused before anything is allocated", () => {
+  const before = engine.memoryBytes;
+  const [positions, indices] = [new Float32Array(9e6), new Uint32Array(18e6)];
+  for (const method of ["flatten", "unwrap"]) {
+    assert.throws(() => engine[method](positions, indices), { code: "memory", message: /about [\d.]+ GB for 6000000 triangles/ });
+  }
+  assert.equal(engine.memoryBytes, before);
+  assert.ok(engine.predictMemory(100_000, 50_000) > 50e6 && engine.predictMemory(100_000, 50_000) < 300e6);
+});
+
+test("progress is told, and stops and aborts are heard", () => {
+  const { positions, indices } = sheet(60);
+  const kinds = new Set();
+  engine.flatten(positions, indices, { onProgress: (event) => void kinds.add(event.kind) });
+  assert.deepEqual(["inner", "iteration", "solver", "stage", "working"].filter((kind) => !kinds.has(kind)), []);
+  const stopped = engine.flatten(positions, indices, { onProgress: ({ kind }) => (kind === "iteration" ? "stop" : "continue") });
+  assert.equal(stopped.termination, "cancelled");
+  for (const answer of ["abort", false]) {
+    assert.throws(() => engine.flatten(positions, indices, { onProgress: () => answer }), abf.AbfCancelledError);
+  }
+  const mine = new TypeError("mine");
+  assert.throws(() => engine.unwrap(positions, indices, { onProgress: () => { throw mine; } }), (error) => error === mine);
+  assert.throws(() => engine.unwrap(positions, indices, { onProgress: () => "wait" }), abf.AbfSettingError);
+});
+
+test("a time limit ends with the best so far", () => {
+  const { positions, indices } = sheet(150);
+  const began = performance.now();
+  const flat = engine.flatten(positions, indices, { solver: "barrier", timeLimit: 0.05 });
+  assert.equal(flat.termination, "time-limit");
+  assert.ok(performance.now() - began < 20_000 && !flat.certified);
+});
+
+test("a hundred results take no more memory than the first", () => {
+  const { positions, indices } = torus(60, 30);
+  for (let i = 0; i < 3; ++i) engine.unwrap(positions, indices);
+  const before = engine.memoryBytes;
+  for (let i = 0; i < 100; ++i) {
+    engine.flatten(sheet(12).positions, sheet(12).indices);
+    engine.unwrap(positions, indices);
+    assert.throws(() => engine.unwrap(positions, indices.subarray(1)));
+  }
+  assert.equal(engine.memoryBytes, before);
+});
+
+test("the library loads from bytes, from a module, and once", async () => {
+  const module = await abf.compile();
+  assert.equal((await abf.load(module)).version, engine.version);
+  assert.equal(await abf.load(), engine);
+  assert.ok(existsSync(new URL("../package/abf.wasm", import.meta.url)));
+});

@@ -1,0 +1,30 @@
+// Compiled by scripts/check-web, never run: the declarations say what the package takes and gives.
+import { AbfError, AbfMemoryError, load, unwrap, type Flattened } from "../package/index.js";
+import { AbfWorker } from "../package/worker.js";
+import { Atlas, Initialize } from "../package/watlas.js";
+
+export async function everything(positions: Float32Array, indices: Uint16Array): Promise<number> {
+  const abf = await load();
+  const flat: Flattened = abf.flatten([0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 1, 2], { solver: "abf++", normalize: true });
+  const atlas = await unwrap(positions, indices, {
+    resolution: 2048, margin: 0, weld: "0.01", holes: "fill-fan", onProgress: (event) => (event.round > 9 ? "stop" : "continue"),
+  });
+  // @ts-expect-error there is no such solver
+  abf.flatten(positions, indices, { solver: "nothing" });
+  // @ts-expect-error an atlas has a scale of its own
+  abf.unwrap(positions, indices, { normalize: true });
+  const worker = new AbfWorker();
+  const running = worker.unwrap(positions, indices).catch((error: unknown) => {
+    if (error instanceof AbfMemoryError) return error.code.length;
+    if (error instanceof AbfError) return 0;
+    throw error;
+  });
+  worker.cancel();
+  await running;
+  await Initialize();
+  const drop = new Atlas();
+  drop.addMesh({ vertexCount: positions.length / 3, vertexPositionData: positions, indexData: indices });
+  drop.generate({ maxStretch: 1.1 }, { padding: 4 });
+  const { uv, xref } = drop.getMesh(0).getVertex(0);
+  return flat.uv[0]! + atlas.uvs[0]! + uv[0] + xref;
+}
