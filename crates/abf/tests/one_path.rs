@@ -13,11 +13,20 @@ fn crates() -> Vec<PathBuf> {
     crates
 }
 
-/// The source of a module without tests and comments.
+/// The source of a module without tests, comments and preludes: those repeat traits, so that one line brings them all.
 fn source(file: &Path) -> String {
     let text = fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
-    text.lines().filter(|line| !line.trim_start().starts_with("//")).flat_map(|line| [line, "\n"]).collect()
+    let mut kept = String::new();
+    let mut is_prelude = false;
+    for line in text.lines().filter(|line| !line.trim_start().starts_with("//")) {
+        is_prelude |= line.starts_with("pub mod prelude {");
+        if !is_prelude {
+            kept.extend([line, "\n"]);
+        }
+        is_prelude &= line != "}";
+    }
+    kept
 }
 
 /// What the files of one folder make public, with the path of each name.
