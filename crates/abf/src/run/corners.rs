@@ -112,17 +112,18 @@ mod tests {
 
     /// A flat grid of `w` × `h` squares, and the numbers of its corners.
     fn grid(w: usize, h: usize) -> (TriMesh, [u32; 4]) {
-        let index = |i: usize, j: usize| (j * (w + 1) + i) as u32;
+        let index = |i: usize, j: usize| j * (w + 1) + i;
         let points = (0..=h).flat_map(|j| (0..=w).map(move |i| Point3::new(i as f64, j as f64, 0.0))).collect();
         let squares = (0..h).flat_map(|j| (0..w).map(move |i| (i, j)));
         // The diagonals run so that no corner is in one triangle only.
-        let faces: Vec<[u32; 3]> = squares
+        let faces: Vec<[usize; 3]> = squares
             .flat_map(|(i, j)| {
                 let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
                 if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
             })
             .collect();
-        (TriMesh::new(points, &faces).expect("indices in range"), [index(0, 0), index(w, 0), index(w, h), index(0, h)])
+        let corners = [index(0, 0), index(w, 0), index(w, h), index(0, h)].map(|v| v as u32);
+        (TriMesh::new(points, &faces).expect("indices in range"), corners)
     }
 
     #[test]
@@ -142,7 +143,7 @@ mod tests {
             Point3::new(x, y, 0.0)
         };
         // A hexagon inside, and a triangle on each of its sides.
-        let mut faces: Vec<[u32; 3]> = (1..5).map(|k| [0, k, k + 1]).collect();
+        let mut faces: Vec<[usize; 3]> = (1..5).map(|k| [0, k, k + 1]).collect();
         faces.extend((0..6).map(|k| [(k + 1) % 6, k, 6 + k]));
         let mesh = TriMesh::new((0..12).map(ring).collect(), &faces).expect("indices in range");
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");

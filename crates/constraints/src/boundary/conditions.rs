@@ -282,7 +282,7 @@ mod tests {
     /// A fan of triangles around vertex 0, which is on the boundary too: 0, 1, …, n.
     fn fan(n: usize) -> Topology {
         let points = (0..=n).map(|k| Point3::from([k as f64, (k * k) as f64, 0.0])).collect();
-        let faces: Vec<[u32; 3]> = (1..n as u32).map(|k| [0, k, k + 1]).collect();
+        let faces: Vec<[usize; 3]> = (1..n).map(|k| [0, k, k + 1]).collect();
         topology(&TriMesh::new(points, &faces).expect("indices in range"))
     }
 
