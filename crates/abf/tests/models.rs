@@ -21,7 +21,7 @@ fn run(pipeline: &Pipeline, mesh: &TriMesh) -> (Flattening, Metrics) {
 
 fn one_pass() -> Pipeline {
     Pipeline {
-        solver: LinAbf { passes: "1".parse().expect("a number of passes") }.into(),
+        solver: LinAbf { passes: "1".parse().expect("a number of passes"), ..LinAbf::default() }.into(),
         layout: LayoutSettings { kind: LayoutKind::LeastSquares, ..LayoutSettings::default() },
         ..Pipeline::default()
     }
@@ -151,7 +151,8 @@ fn every_pass_count_is_obeyed() {
     let mesh = read(&folder, "paper/cow.obj");
     for passes in [1, 2] {
         let passes = Passes::Exactly(passes.try_into().expect("not zero"));
-        let flat = run(&Pipeline { solver: LinAbf { passes }.into(), ..Pipeline::default() }, &mesh).0;
+        let flat =
+            run(&Pipeline { solver: LinAbf { passes, ..LinAbf::default() }.into(), ..Pipeline::default() }, &mesh).0;
         assert_eq!(flat.solution.expect("angles").iterations().to_string(), passes.to_string());
     }
 }

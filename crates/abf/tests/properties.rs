@@ -11,7 +11,7 @@ const SHAPES: [Shape; 6] =
 
 fn one_pass() -> Pipeline {
     Pipeline {
-        solver: LinAbf { passes: Passes::Exactly(1.try_into().expect("not zero")) }.into(),
+        solver: LinAbf { passes: Passes::Exactly(1.try_into().expect("not zero")), ..LinAbf::default() }.into(),
         layout: LayoutSettings { kind: LayoutKind::LeastSquares, ..LayoutSettings::default() },
         ..Pipeline::default()
     }

@@ -58,7 +58,7 @@ fn what_is_left_out_is_the_default_and_what_is_not_known_is_refused() {
 fn passes_are_a_number_or_auto() {
     for (passes, text) in [(Passes::Auto, "\"auto\""), (Passes::Exactly(2.try_into().expect("not zero")), "2")] {
         assert_eq!(serde_json::to_string(&passes).expect("plain data"), text);
-        assert_reads_back(&LinAbf { passes });
+        assert_reads_back(&LinAbf { passes, error_bound: Some(0.25) });
     }
     assert!(serde_json::from_str::<Passes>("0").is_err());
 }

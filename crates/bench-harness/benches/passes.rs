@@ -40,7 +40,7 @@ fn main() {
 
 fn measure(table: &mut Table, Model { name, mesh }: &Model) {
     let run = |passes| {
-        let pipeline = Pipeline { solver: LinAbf { passes }.into(), ..Pipeline::default() };
+        let pipeline = Pipeline { solver: LinAbf { passes, ..LinAbf::default() }.into(), ..Pipeline::default() };
         let mut best: Vec<(IterationRecord, f64)> = Vec::new();
         for _ in 0..RUNS {
             let mut clock = Clock::default();

@@ -18,9 +18,11 @@
 //! by the square of the error, so one pass is often all there is to do; further passes re-centre:
 //! they take the result, kept inside the angle bounds, as the next guess (end of §6).
 //!
-//! Conditions on the boundary are kept by an active set in every pass: `bounded.rs`.
+//! Conditions on the boundary are kept by an active set in every pass: `bounded.rs`; bounds on the error (§4) by another:
+//! `boxed.rs`.
 
 mod bounded;
+mod boxed;
 
 use abf_constraints::{AngleProblem, WheelDerivative, largest, linearise};
 use abf_control::{IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
@@ -70,11 +72,15 @@ impl fmt::Display for Passes {
 }
 
 /// The LinABF solver.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct LinAbf {
     /// How many passes to make.
     pub passes: Passes,
+    /// How far an angle may move in a pass at most, as a part of its distance to the nearer of 0 and π, in (0, 1); `None`
+    /// bounds nothing. See `boxed.rs` for where it helps and where it stalls. With conditions on the boundary it is refused.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub error_bound: Option<f64>,
 }
 
 /// The paper's own method.
@@ -105,6 +111,15 @@ impl AngleSolver for LinAbf {
         "linabf"
     }
 
+    fn check(&self) -> Result<(), SolveError> {
+        match self.error_bound {
+            Some(bound) if !(bound > 0.0 && bound < 1.0) => {
+                Err(SettingError::new("error_bound", "in (0, 1)", bound).into())
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn keeps_boundary(&self) -> bool {
         true
     }
@@ -116,8 +131,15 @@ impl AngleSolver for LinAbf {
         observer: &mut dyn Observer,
     ) -> Result<AngleSolution, SolveError> {
         stop.check()?;
+        self.check()?;
         if let Some(conditions) = problem.boundary() {
+            if self.error_bound.is_some() {
+                return Err(SolveError::Unsupported("an error bound does not go with conditions on the boundary"));
+            }
             return bounded::solve(self, problem, conditions, stop, observer);
+        }
+        if let Some(bound) = self.error_bound {
+            return boxed::solve(self, bound, problem, stop, observer);
         }
         let mut watch = Watch::start(stop, observer);
         let inner = self.inner(problem, stop, &mut watch)?;

@@ -125,7 +125,7 @@ impl Pipeline {
         match &self.solver {
             // Rows of the boundary are solved for with a factorisation of the whole system.
             Solver::Auto(_) | Solver::LinAbf(_) if !self.boundary.is_free() => {
-                let direct = LinAbf { passes: Passes::Exactly(NonZeroUsize::MIN) }.into();
+                let direct = LinAbf { passes: Passes::Exactly(NonZeroUsize::MIN), ..LinAbf::default() }.into();
                 check_memory(&direct, self.solver.kind(), self.max_memory, mesh)
             }
             Solver::Auto(_) => check_memory(&lean(), SolverKind::Auto, self.max_memory, mesh),

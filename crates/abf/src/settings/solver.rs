@@ -229,7 +229,9 @@ impl Solver {
     /// How the memory of its runs grows with the mesh.
     pub(super) fn growth(&self) -> Growth {
         match self {
-            Self::LinAbf(LinAbf { passes: Passes::Exactly(NonZeroUsize::MIN) }) => Growth::ONE_PASS,
+            Self::LinAbf(
+                LinAbf { passes: Passes::Exactly(NonZeroUsize::MIN), .. } | LinAbf { error_bound: Some(_), .. },
+            ) => Growth::ONE_PASS,
             Self::LinAbf(_) => Growth::LEAN,
             // What a solver of a user's own takes is not known here; the mesh and a layout are.
             Self::Lscm | Self::Custom(_) => Growth::LSCM,

@@ -144,6 +144,12 @@ impl SolverKind {
         }
     }
 
+    /// Whether the error of its passes can be bounded. The ladder leaves that out.
+    #[must_use]
+    pub const fn bounds_errors(self) -> bool {
+        matches!(self, Self::LinAbf)
+    }
+
     /// Whether a barrier keeps it away from angles of 0 and π.
     #[must_use]
     pub const fn has_a_barrier(self) -> bool {

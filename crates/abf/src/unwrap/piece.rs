@@ -274,7 +274,7 @@ impl Component<'_, '_> {
         }
         let settings = &self.settings.pipeline;
         let problem = AngleProblem::new(&chart.topology, chart.mesh.corner_angles(), settings.initial_guess)?;
-        let solver = LinAbf { passes: Passes::Exactly(PASSES) };
+        let solver = LinAbf { passes: Passes::Exactly(PASSES), ..LinAbf::default() };
         ask(observer, Event::StageStarted(Stage::Solve))?;
         let named = |source| FlattenError::of_solver(SolverKind::LinAbf, source);
         let solution = solver.solve(&problem, &self.budget.left(), observer).map_err(named)?;

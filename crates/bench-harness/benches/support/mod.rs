@@ -90,7 +90,7 @@ pub(crate) fn median_s(group: &str, id: &str) -> Option<f64> {
 
 /// One pass with unweighted least squares: LinABF as its paper ran it.
 pub(crate) fn one_pass() -> Pipeline {
-    least_squares(LinAbf { passes: Passes::Exactly(1.try_into().expect("not zero")) })
+    least_squares(LinAbf { passes: Passes::Exactly(1.try_into().expect("not zero")), ..LinAbf::default() })
 }
 
 /// A solver with the papers' layout.

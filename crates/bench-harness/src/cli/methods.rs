@@ -81,7 +81,7 @@ struct Offer {
 }
 
 /// Every option that concerns some solvers only.
-fn offers(args: &MethodArgs) -> [Offer; 15] {
+fn offers(args: &MethodArgs) -> [Offer; 16] {
     let of = |concerns: fn(SolverKind) -> bool| move |name, is_given| Offer { name, is_given, concerns };
     let (angles, passes, inner) =
         (of(SolverKind::finds_angles), of(SolverKind::makes_passes), of(SolverKind::iterates_inside));
@@ -95,6 +95,7 @@ fn offers(args: &MethodArgs) -> [Offer; 15] {
         angles("--time-limit", args.time_limit.is_some()),
         of(SolverKind::keeps_boundary)("--boundary", args.boundary.is_some()),
         passes("--passes", args.passes.is_some()),
+        of(SolverKind::bounds_errors)("--error-bound", args.error_bound.is_some()),
         barrier("--barrier-floor", args.barrier_floor.is_some()),
         fixed_target("--wheel", args.wheel.is_some()),
         fixed_target("--hessian", args.hessian.is_some()),
@@ -122,6 +123,7 @@ fn solver(kind: SolverKind, args: &MethodArgs) -> Solver {
     let SolverParts { linabf, newton, iterative, barrier, descent, .. } = solver.parts_mut();
     if let Some(linabf) = linabf {
         linabf.passes = args.passes.unwrap_or(linabf.passes);
+        linabf.error_bound = args.error_bound.filter(|_| kind.bounds_errors());
     }
     if let Some(newton) = newton {
         newton.wheel = args.wheel.unwrap_or(newton.wheel);

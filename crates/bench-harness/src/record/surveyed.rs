@@ -164,7 +164,7 @@ mod tests {
             disks_only: false,
         };
         let plain = made_with(&Pipeline::default());
-        let linabf = LinAbf { passes: "1".parse().expect("one") };
+        let linabf = LinAbf { passes: "1".parse().expect("one"), ..LinAbf::default() };
         let one_pass = Ladder { linabf, ..Ladder::default() };
         let tight = StopCriteria { tolerance: 1e-9, ..StopCriteria::default() };
         for (other, expected) in [

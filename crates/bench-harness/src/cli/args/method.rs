@@ -22,6 +22,7 @@ const OFF: &str = "off";
 
 const BOUNDARY: &str = "Options of auto, linabf, barrier";
 const PASSES: &str = "Options of auto, linabf";
+const ERRORS: &str = "Options of linabf";
 const BARRIER: &str = "Options of auto, barrier, descent";
 const CONSTRAINTS: &str = "Options of every solver but descent and lscm";
 const ANGLES: &str = "Options of every solver but lscm";
@@ -78,6 +79,7 @@ pub(crate) struct MethodArgs {
     ///     holes, handles, several parts, an atlas   no
     ///     auto                                      yes: linabf, then barrier
     ///     linabf, barrier                           yes
+    ///     linabf with --error-bound                 no
     ///     all other solvers                         no
     #[arg(long, value_name = "RULE", help_heading = BOUNDARY, verbatim_doc_comment)]
     pub(crate) boundary: Option<BoundaryRule>,
@@ -85,6 +87,10 @@ pub(crate) struct MethodArgs {
     /// How many passes to make: a number, or auto: until the constraints are met [default: auto]
     #[arg(long, hide_short_help = true, value_name = "N|auto", help_heading = PASSES)]
     pub(crate) passes: Option<Passes>,
+
+    /// No angle moves in a pass by more than this part of its distance to 0 or π, in (0, 1) [default: no bound]
+    #[arg(long, hide_short_help = true, value_name = "B", help_heading = ERRORS)]
+    pub(crate) error_bound: Option<f64>,
 
     /// The last weight of the barrier that keeps triangles usable, in units of energy per corner [default: 0.001]
     #[arg(long, hide_short_help = true, value_name = "M", help_heading = BARRIER)]

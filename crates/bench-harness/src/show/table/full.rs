@@ -3,7 +3,7 @@
 use crate::record::number::{count, megabytes, seconds, significant};
 use crate::record::{InnerAccuracy, Kkt, Quality, Record, RunRecord, Size, Timings};
 use crate::show::advice::ending;
-use abf::{Boundary, Metrics, Precision, Solver, SolverKind};
+use abf::{Boundary, LinAbf, Metrics, Precision, Solver, SolverKind};
 use std::f64::consts::PI;
 use std::fmt::Write;
 
@@ -84,6 +84,9 @@ fn solver_line(solver: &str, run: &RunRecord) -> String {
         parts.push(format!("by {}", run.solved_by));
     }
     parts.extend(run.settings.solver().and_then(|asked| asked.passes()).map(|passes| format!("passes {passes}")));
+    if let Some(Solver::LinAbf(LinAbf { error_bound: Some(bound), .. })) = run.settings.solver() {
+        parts.push(format!("error bound {bound}"));
+    }
     let Some(asked) = run.settings.pipeline() else { return parts.join(", ") };
     // A method without angles takes none of these; a solver of someone's own finds angles.
     if solver.parse().map_or(true, SolverKind::keeps_constraints) {
