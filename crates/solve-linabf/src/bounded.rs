@@ -31,7 +31,7 @@ pub(crate) fn solve(
     observer: &mut dyn Observer,
 ) -> Result<AngleSolution, SolveError> {
     let mut watch = Watch::start(stop, observer);
-    let mut run = Run::new(problem, conditions, stop, &mut watch)?;
+    let mut run = BoundedRun::new(problem, conditions, stop, &mut watch)?;
     let termination = loop {
         match run.pass(&mut watch) {
             Ok(()) => {}
@@ -51,7 +51,7 @@ pub(crate) fn solve(
 }
 
 /// The workspace of one solve.
-struct Run<'p, 'a> {
+struct BoundedRun<'p, 'a> {
     problem: &'p AngleProblem<'a>,
     conditions: &'p BoundaryConditions,
     step: BoundedStep,
@@ -64,7 +64,7 @@ struct Run<'p, 'a> {
     history: Vec<IterationRecord>,
 }
 
-impl<'p, 'a> Run<'p, 'a> {
+impl<'p, 'a> BoundedRun<'p, 'a> {
     fn new(
         problem: &'p AngleProblem<'a>,
         conditions: &'p BoundaryConditions,

@@ -37,7 +37,7 @@ pub(crate) fn solve(
 ) -> Result<AngleSolution, SolveError> {
     let mut watch = Watch::start(stop, observer);
     let step = DirectStep::asking(problem.topology(), problem.rows(), &mut || watch.checkpoint())?;
-    let mut run = Run::new(problem, error_bound, step);
+    let mut run = BoxedRun::new(problem, error_bound, step);
     let termination = loop {
         match run.pass(&mut watch) {
             Ok(true) => {}
@@ -64,7 +64,7 @@ enum Held {
 }
 
 /// The workspace of one solve.
-struct Run<'p, 'a> {
+struct BoxedRun<'p, 'a> {
     problem: &'p AngleProblem<'a>,
     error_bound: f64,
     step: DirectStep,
@@ -95,7 +95,7 @@ impl Here {
     }
 }
 
-impl<'p, 'a> Run<'p, 'a> {
+impl<'p, 'a> BoxedRun<'p, 'a> {
     fn new(problem: &'p AngleProblem<'a>, error_bound: f64, step: DirectStep) -> Self {
         let angles = problem.initial_guess().to_vec();
         Self {
@@ -249,7 +249,7 @@ mod tests {
         let (stop, mut silent) = (StopCriteria::default(), Silent);
         let mut watch = Watch::start(&stop, &mut silent);
         let step = DirectStep::new(problem.topology(), problem.rows()).expect("fits");
-        let mut run = Run::new(problem, error_bound, step);
+        let mut run = BoxedRun::new(problem, error_bound, step);
         let before = run.angles.clone();
         assert_eq!(run.pass(&mut watch), Ok(true));
         let share = |(x, y): (&f64, &f64)| (y - x).abs() / x.min(PI - x);
