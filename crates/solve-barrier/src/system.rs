@@ -30,7 +30,8 @@ impl StepSystem {
         let matrix = SymmetricMatrix::zeros(Arc::clone(reduced.pattern()));
         let rhs = vec![0.0; matrix.size()];
         let dropped = |j| problem.boundary().is_some_and(|conditions| conditions.dropped() == Some(j));
-        let active = (0..problem.boundary().map_or(0, abf_constraints::BoundaryConditions::len)).map(|j| !dropped(j)).collect();
+        let active =
+            (0..problem.boundary().map_or(0, abf_constraints::BoundaryConditions::len)).map(|j| !dropped(j)).collect();
         Ok(Self { reduced, symbolic, matrix, rhs, factors: None, active })
     }
 

@@ -168,8 +168,7 @@ fn both_sides_of_a_leaf_on_the_same_texels_are_no_overlap() {
     let corners = [0, 1, 2, 0, 2, 1, 3, 4, 5, 6, 7, 8].map(UvId::new);
     let uv = UvMap::new(places.to_vec(), corners.to_vec());
     for stack in [false, true] {
-        let packed =
-            Repack { stack, ..Repack::default() }.run(&mesh, &uv, None, Stored::default()).expect("packed");
+        let packed = Repack { stack, ..Repack::default() }.run(&mesh, &uv, None, Stored::default()).expect("packed");
         assert_eq!((packed.islands, packed.overlapping, packed.shared), (2, 0, 2));
         assert!(packed.metrics.injective() && packed.metrics.triangles == 2, "{:?}", packed.metrics);
         assert_eq!(packed.pieces, if stack { 1 } else { 2 });
