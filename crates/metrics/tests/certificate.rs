@@ -337,8 +337,8 @@ fn overlaps_beyond_four_millions_are_not_counted_to_the_end_and_that_is_said() {
     fn crossed(strips: i64) -> Certificate {
         let long = 10 * strips;
         let corners = |k: i64| [[-5, 10 * k], [long, 10 * k], [long, 10 * k + 4], [-5, 10 * k + 4]];
-        let level: Vec<Place> = (0..strips).flat_map(corners).collect();
-        let upright: Vec<Place> = level.iter().map(|&[x, y]| [long - 5 - y, x]).collect();
+        let level: Vec<Lattice> = (0..strips).flat_map(corners).collect();
+        let upright: Vec<Lattice> = level.iter().map(|&[x, y]| [long - 5 - y, x]).collect();
         let faces = (0..2 * strips as usize).flat_map(|i| [[0, 1, 2], [0, 2, 3]].map(|f| f.map(|v| 4 * i + v)));
         Drawing { places: [level, upright].concat(), faces: faces.collect() }.certificate()
     }

@@ -83,7 +83,13 @@ impl Stage {
             _ => ([2, 1], 1, 0),
         };
         let [large, small] = angles;
-        let fast = Self { cells: 256, angles: angles.map(|n| n.min(4)), attempts: 1, repairs: 0, tolerance: 0.02 };
+        // Milliseconds: where there are many pieces, each is small, and its angle matters less.
+        let (cells, most) = match pieces {
+            0..30 => (256, 4),
+            30..400 => (192, 2),
+            _ => (128, 2),
+        };
+        let fast = Self { cells, angles: angles.map(|n| n.min(most)), attempts: 1, repairs: 0, tolerance: 0.02 };
         let good = Self { cells: 512, angles, attempts, repairs, tolerance: 0.004 };
         let fine = Self { angles: [large.max(64), small.max(16)], ..good };
         match effort {

@@ -334,7 +334,7 @@ impl Atlas {
 
 /// The faces of every chart, and what is proved of it.
 pub(crate) fn proved(charts: &[UnwrappedChart]) -> impl Iterator<Item = (&[FaceId], Proved)> {
-    charts.iter().map(|chart| (chart.faces.as_slice(), Proved::from(&*chart.metrics)))
+    charts.iter().map(|chart| (chart.faces.as_slice(), Proved::of(&chart.metrics.certificate)))
 }
 
 /// The polygons that a chart covers.

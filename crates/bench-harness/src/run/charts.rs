@@ -85,7 +85,7 @@ pub(crate) fn charts(
         }
         Some(parting) => {
             let known = (materials, hints.forbidden);
-            let Parted { unwrapped, packed, for_coverage, for_margin } =
+            let Parted { unwrapped, packed, for_coverage, for_margin, .. } =
                 charting.atlas.pack_parting(mesh, unwrapped, known, stored, parting).map_err(failed)?;
             (unwrapped, Some((packed, [for_coverage, for_margin])))
         }

@@ -7,7 +7,6 @@ use super::{Atlas, AtlasError, Packed, Stored, outline_of};
 use crate::unwrap::{Unwrapped, UnwrappedChart};
 use abf_control::SettingError;
 use abf_mesh::TriMesh;
-use abf_metrics::Precision;
 use abf_pack::{Effort, PackSettings, Piece, pack};
 use abf_parallel::prelude::*;
 use cut::Cut;
@@ -35,6 +34,7 @@ impl Default for Parting {
 
 /// Charts that were parted, and their atlas.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Parted {
     /// The charts, parts in the place of those that were parted. Parts keep their UVs.
     pub unwrapped: Unwrapped,
@@ -74,21 +74,21 @@ impl Atlas {
         mesh: &TriMesh,
         unwrapped: Unwrapped,
         (materials, forbidden): (Option<&[u32]>, Option<&[bool]>),
-        stored: (Stored, Precision),
+        stored: Stored,
         parting: &Parting,
     ) -> Result<Parted, AtlasError> {
         parting.check()?;
         let uv = unwrapped.uv();
         let turned = unwrapped.turned.clone();
-        let mut splitter = Splitter::new(mesh, &turned, &uv, (forbidden, stored.1, parting.max_stretch));
+        let splitter = Splitter::new(mesh, &turned, &uv, (forbidden, stored.precision(), parting.max_stretch));
         let packed = self.pack(mesh, &unwrapped, materials, stored)?;
         let mut parted = Parted { unwrapped, packed, for_coverage: 0, for_margin: 0 };
         let again = |unwrapped: &Unwrapped| self.pack(mesh, unwrapped, materials, stored);
         if let Some(aim) = parting.coverage {
             let budget = parting.seam_budget * splitter.seam_length(&parted.unwrapped);
-            self.cover(&mut splitter, &mut parted, (aim, budget), &again)?;
+            self.cover(&splitter, &mut parted, (aim, budget), &again)?;
         }
-        while parting.keeps_inner_margin && self.part_narrow(&mut splitter, &mut parted)? {
+        while parting.keeps_inner_margin && self.part_narrow(&splitter, &mut parted)? {
             parted.packed = again(&parted.unwrapped)?;
         }
         Ok(parted)
@@ -97,7 +97,7 @@ impl Atlas {
     /// Parts the largest chart until the atlas covers so much, or no cut within the budget is worth it.
     fn cover(
         &self,
-        splitter: &mut Splitter<'_>,
+        splitter: &Splitter<'_>,
         parted: &mut Parted,
         (aim, mut budget): (f64, f64),
         again: &dyn Fn(&Unwrapped) -> Result<Packed, AtlasError>,
@@ -149,7 +149,7 @@ impl Atlas {
     }
 
     /// Parts the charts that are too narrow somewhere, as often as that leaves fewer such places at the scale of the atlas.
-    fn part_narrow(&self, splitter: &mut Splitter<'_>, parted: &mut Parted) -> Result<bool, AtlasError> {
+    fn part_narrow(&self, splitter: &Splitter<'_>, parted: &mut Parted) -> Result<bool, AtlasError> {
         let within = f64::from(self.margin) / parted.packed.texels_per_unit;
         let mut narrow: Vec<usize> = parted.packed.narrow.iter().map(|place| place.chart).collect();
         narrow.sort_unstable();

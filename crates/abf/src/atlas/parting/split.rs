@@ -44,7 +44,7 @@ impl<'a> Splitter<'a> {
 
     /// Everything with one chart in two. `None` where the cut does not make two of it, or a part stretches too much.
     pub(super) fn parted(
-        &mut self,
+        &self,
         unwrapped: &Unwrapped,
         chart: usize,
         cut: &Cut,
@@ -108,20 +108,10 @@ impl<'a> Splitter<'a> {
 
 /// Some faces of a chart, with their UVs.
 fn part_of(chart: &UnwrappedChart, is_in: impl Fn(usize) -> bool) -> UnwrappedChart {
-    let mut number: HashMap<UvId, UvId> = HashMap::new();
-    let (mut faces, mut points, mut corners) = (Vec::new(), Vec::new(), Vec::new());
-    for (i, three) in chart.uv.corners().as_chunks::<3>().0.iter().enumerate().filter(|&(i, _)| is_in(i)) {
-        faces.push(chart.faces[i]);
-        for id in three {
-            let next = UvId::new(points.len());
-            let own = *number.entry(*id).or_insert(next);
-            if own == next {
-                points.push(chart.uv.points()[id.index()]);
-            }
-            corners.push(own);
-        }
-    }
-    UnwrappedChart { faces, uv: UvMap::new(points, corners), ..chart.clone() }
+    let inside = || (0..chart.faces.len()).filter(|&i| is_in(i));
+    let faces = inside().map(|i| chart.faces[i]).collect();
+    let uv = chart.uv.submap(inside().map(|i| FaceId::new(i).corners()));
+    UnwrappedChart { faces, uv, ..chart.clone() }
 }
 
 /// The points and the vertices of every face of a chart.

@@ -28,8 +28,7 @@ fn charts_of(mesh: &TriMesh) -> Unwrapped {
 
 fn run(mesh: &TriMesh, forbidden: Option<&[bool]>, parting: &Parting) -> Parted {
     let atlas = Atlas { page: [256; 2], ..Atlas::default() };
-    let stored: (Stored, Precision) = (|p| p, Precision::Double);
-    atlas.pack_parting(mesh, charts_of(mesh), (None, forbidden), stored, parting).expect("an atlas")
+    atlas.pack_parting(mesh, charts_of(mesh), (None, forbidden), Stored::default(), parting).expect("an atlas")
 }
 
 /// Every face is in one chart, charts have the edges of the mesh, and seams are where UVs differ.
