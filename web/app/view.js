@@ -72,7 +72,8 @@ export class View {
   /** Colours the triangles; without the checkerboard where `plain`. */
   paint(colours, plain) {
     if (!this.#mesh) return;
-    this.#mesh.geometry.getAttribute("color").array.set(colours);
+    // Light adds up linearly, colours are given as screens show them.
+    this.#mesh.geometry.getAttribute("color").array.set(colours.map((x) => x ** 2.2));
     this.#mesh.geometry.getAttribute("color").needsUpdate = true;
     const map = plain || !this.#mesh.geometry.getAttribute("uv") ? null : checkerboard();
     if (this.#mesh.material.map !== map) {

@@ -18,7 +18,7 @@ const watlas = await take("watlas");
 const validator = require("gltf-validator");
 
 const io = new NodeIO().registerExtensions(ALL_EXTENSIONS);
-const files = ["knight.glb", "truck.glb", "pins.glb", "shapecol.glb", "alphablend.glb"];
+const files = ["knight.glb", "truck.glb", "helmet.glb", "shapecol.glb", "alphablend.glb"];
 await ours.Initialize();
 await watlas.Initialize();
 

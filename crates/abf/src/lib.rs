@@ -72,7 +72,7 @@ pub mod constraints {
 
 /// Run control for code of your own that takes long; observers and events are at the root of the crate.
 pub mod control {
-    pub use abf_control::{Checkpoint, TimeBudget, Watch, ask, at_block};
+    pub use abf_control::{Checkpoint, TimeBudget, Watch, ask, at_block, set_clock};
 }
 
 /// Repair, filled holes, seams and charts by themselves; the settings of [`Unwrap`] are at the root of the crate.

@@ -1,6 +1,6 @@
 //! What a callback is told.
 
-use abf::{Event, Observer, Place, Stage, Verdict};
+use abf::{Event, Observer, Stage, UnwrapProgress, Verdict};
 use std::ffi::{CString, c_char, c_void};
 use std::ptr;
 
@@ -87,10 +87,10 @@ impl<'a> Relay<'a> {
 
 impl Observer for Relay<'_> {
     fn observe(&mut self, event: Event<'_>) -> Verdict {
-        self.observe_at(Place::default(), event)
+        self.observe_at(UnwrapProgress::default(), event)
     }
 
-    fn observe_at(&mut self, place: Place, event: Event<'_>) -> Verdict {
+    fn observe_at(&mut self, place: UnwrapProgress, event: Event<'_>) -> Verdict {
         let mut told = AbfEvent {
             kind: AbfEventKind::Working,
             stage: self.stage,

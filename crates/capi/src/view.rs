@@ -142,7 +142,7 @@ impl AbfResult {
     }
 
     pub(crate) fn of_atlas(arrays: UnwrappedArrays, page: [u32; 2]) -> Self {
-        let UnwrappedArrays { uvs, indices, remap, packed, unwrapped } = arrays;
+        let UnwrappedArrays { uvs, indices, remap, packed, unwrapped, .. } = arrays;
         let charts = &unwrapped.charts;
         let mut triangle_charts = vec![u32::MAX; indices.len() / 3];
         for (number, chart) in charts.iter().enumerate() {
