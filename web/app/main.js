@@ -41,6 +41,7 @@ async function open(name, buffer) {
   try {
     const next = await read(name, buffer);
     [mesh, result, quality, picked] = [next, undefined, undefined, undefined];
+    if (name !== `${$("sample").value}.obj`) $("sample").value = "";
     for (const id of ["certificate", "curves"]) $(id).hidden = true;
     views[0].show({ points: corners(mesh.positions, mesh.indices, 3) });
     views[1].clear();

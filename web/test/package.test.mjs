@@ -1,7 +1,7 @@
 // The npm package in Node, against the program in $ABF_PROGRAM.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { existsSync } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import test from "node:test";
 import * as abf from "../package/index.js";
@@ -129,6 +129,18 @@ test("a hundred results take no more memory than the first", () => {
     assert.throws(() => engine.unwrap(positions, indices.subarray(1)));
   }
   assert.equal(engine.memoryBytes, before);
+});
+
+test("the package has the version of the library, and packs what it needs", () => {
+  const manifest = JSON.parse(readFileSync(join(root, "web/package/package.json"), "utf8"));
+  const [major, minor, patch] = manifest.version.split(".").map(Number);
+  assert.equal(10_000 * major + 100 * minor + patch, engine.version);
+  const [{ files }] = JSON.parse(execFileSync("npm", ["pack", "--dry-run", "--json"], { cwd: join(root, "web/package"), stdio: ["ignore", "pipe", "ignore"] }));
+  const packed = files.map(({ path }) => path);
+  const named = Object.values(manifest.exports).flatMap((entry) => (typeof entry === "string" ? [entry] : Object.values(entry)));
+  for (const path of [...named, "./worker-thread.js", "./LICENSE-MIT", "./LICENSE-APACHE", "./README.md"]) {
+    assert.ok(packed.includes(path.slice(2)), `${path} is not packed: ${packed}`);
+  }
 });
 
 test("the library loads from bytes, from a module, and once", async () => {
