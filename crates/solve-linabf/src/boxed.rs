@@ -232,7 +232,7 @@ fn error_of(held: Held, most: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abf_constraints::EstimateSettings;
+    use abf_constraints::GuessSettings;
     use abf_control::Silent;
     use abf_mesh::Topology;
     use abf_shapes::Shape;
@@ -241,7 +241,7 @@ mod tests {
     fn with_problem(shape: Shape, look: impl FnOnce(&AngleProblem<'_>)) {
         let mesh = shape.mesh(400);
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-        look(&AngleProblem::new(&topology, mesh.corner_angles(), EstimateSettings::default()).expect("a disk"));
+        look(&AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a disk"));
     }
 
     /// The first pass: the largest part of a distance that an angle moves by, and how many solves it took.
