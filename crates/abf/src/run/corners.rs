@@ -75,12 +75,12 @@ impl Edges {
         let mut costs = [f64::INFINITY; SIDES];
         costs[0] = cost(0, 0);
         let mut turned = vec![[false; SIDES]; n];
-        for j in 1..n {
+        for (j, turned) in turned.iter_mut().enumerate().skip(1) {
             let before = costs;
-            for k in 0..SIDES {
+            for (k, turned) in turned.iter_mut().enumerate() {
                 let stays = if self.is_ear[j] { f64::INFINITY } else { before[k] };
                 let turns = if k > 0 { before[k - 1] } else { f64::INFINITY };
-                turned[j][k] = turns < stays;
+                *turned = turns < stays;
                 costs[k] = cost(j, k) + stays.min(turns);
             }
         }

@@ -94,7 +94,7 @@ impl Writer {
 }
 
 /// A whole file: what was drawn, in its frame. `high` is the upper right corner.
-pub(super) fn file(drawn: Writer, unit: SvgUnit, high: [f64; 2]) -> String {
+pub(super) fn file(drawn: &Writer, unit: SvgUnit, high: [f64; 2]) -> String {
     let mut out = Writer::new(drawn.decimals);
     out.group(0, "SECTION").group(2, "HEADER").group(9, "$ACADVER").group(1, "AC1015");
     out.group(9, "$DWGCODEPAGE").group(3, "ANSI_1252");

@@ -102,7 +102,7 @@ pub fn layout_dxf(
             writer.text("LABEL", &label.number.to_string(), plane.place(label.at), plane.scale * label.height);
         }
     }
-    Ok(file(writer, style.unit, plane.place(plane.high)))
+    Ok(file(&writer, style.unit, plane.place(plane.high)))
 }
 
 /// How UVs become places on the drawing.
