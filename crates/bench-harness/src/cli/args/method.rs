@@ -74,13 +74,11 @@ pub(crate) struct MethodArgs {
     /// Vertices are counted from 0, angles are in rad. below-2pi keeps every angle of the boundary EPS below 2π (0.01).
     /// A rectangle finds its corners itself where they are not named. FILE has a vertex and its angle on each line.
     /// What it goes with:
-    ///
-    ///     one disk, uncut                           yes
-    ///     holes, handles, several parts, an atlas   no
-    ///     auto                                      yes: linabf, then barrier
-    ///     linabf, barrier                           yes
-    ///     linabf with --error-bound                 no
-    ///     all other solvers                         no
+    /// * one disk, uncut: yes
+    /// * holes, handles, several parts, an atlas: no
+    /// * auto: yes, by linabf, then barrier
+    /// * linabf, barrier: yes
+    /// * linabf with --error-bound, all other solvers: no
     #[arg(long, value_name = "RULE", help_heading = BOUNDARY, verbatim_doc_comment)]
     pub(crate) boundary: Option<BoundaryRule>,
 
