@@ -83,11 +83,11 @@ impl Stage {
             _ => ([2, 1], 1, 0),
         };
         let [large, small] = angles;
-        // Milliseconds: where there are many pieces, each is small, and its angle matters less.
+        // Milliseconds: where there are many pieces, the angle of each matters less. Hundreds need small cells.
         let (cells, most) = match pieces {
             0..30 => (256, 4),
             30..400 => (192, 2),
-            _ => (128, 2),
+            _ => (256, 2),
         };
         let fast = Self { cells, angles: angles.map(|n| n.min(most)), attempts: 1, repairs: 0, tolerance: 0.02 };
         let good = Self { cells: 512, angles, attempts, repairs, tolerance: 0.004 };
