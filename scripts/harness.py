@@ -30,9 +30,10 @@ def run(binary, arguments, meshes):
     return run_with_code(binary, arguments, meshes)[0]
 
 
-def run_with_code(binary, arguments, meshes):
-    """The same with the exit code."""
-    ran = subprocess.run([binary, *arguments, "--json", "-", *meshes], capture_output=True, text=True, check=False)
+def run_with_code(binary, arguments, meshes, timeout=None):
+    """The same with the exit code. subprocess.TimeoutExpired: it took more seconds than `timeout`."""
+    command = [binary, *arguments, "--json", "-", *meshes]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False, timeout=timeout)
     try:
         results = json.loads(ran.stdout)["results"]
     except (ValueError, LookupError):

@@ -1,8 +1,8 @@
 //! UVs that a mesh has, judged as a run of [`Unwrap`](crate::Unwrap) judges what it makes.
 
-use crate::atlas::{Parts, as_repaired, in_input, sharing};
-use abf_cut::{RepairError, Weld};
-use abf_mesh::{FaceId, TriMesh, UvMap};
+use crate::atlas::{Parts, as_joined, in_input, sharing};
+use abf_cut::{DoubleSided, RepairError, Weld, repair_with};
+use abf_mesh::{FaceId, TriMesh, UvMap, VertexId};
 use abf_metrics::{Metrics, MetricsError, Precision, certify_stored, measure_certified};
 
 /// What is known of the UVs of a mesh that may need repair.
@@ -53,14 +53,24 @@ pub struct JudgeSettings<'a> {
 pub fn judge(mesh: &TriMesh, uv: &UvMap, settings: &JudgeSettings<'_>) -> Result<Judgement, JudgeError> {
     let JudgeSettings { weld: rule, objects, precision } = *settings;
     let objects = objects.filter(|objects| objects.len() == mesh.face_count());
-    let (joined, repaired) = as_repaired(mesh, rule, objects)?;
-    let is_shared = sharing(&joined, uv, &repaired);
-    let mut turned = repaired.turned_faces();
-    turned.retain(|f| !is_shared[f.index()]);
-    let is_judged = |f: &FaceId| !is_shared[f.index()] && !is_in_one_point(mesh, uv, *f);
-    let mut faces: Vec<FaceId> = repaired.faces.iter().copied().filter(is_judged).collect();
-    faces.sort_unstable();
+    let joined = as_joined(mesh, rule, objects);
+    // Faces that share the texels of others are dropped before the repair, as `Unwrap` drops them.
+    let is_shared = sharing(&joined, uv);
     let shared = is_shared.iter().filter(|shared| **shared).count();
+    let kept: Vec<FaceId> = (0..mesh.face_count()).map(FaceId::new).filter(|f| !is_shared[f.index()]).collect();
+    let of_kept = |f: FaceId| kept[f.index()];
+    let repaired = if shared == 0 {
+        repair_with(&joined, DoubleSided::Own)?
+    } else {
+        let corners = |f: &FaceId| joined.faces()[f.index()].map(VertexId::index);
+        let faces: Vec<[usize; 3]> = kept.iter().map(corners).collect();
+        let part = TriMesh::new(joined.positions().to_vec(), &faces).map_err(RepairError::from)?;
+        repair_with(&part, DoubleSided::Own)?
+    };
+    let turned: Vec<FaceId> = repaired.turned_faces().into_iter().map(of_kept).collect();
+    let is_judged = |f: &FaceId| !is_in_one_point(mesh, uv, *f);
+    let mut faces: Vec<FaceId> = repaired.faces.iter().map(|&f| of_kept(f)).filter(is_judged).collect();
+    faces.sort_unstable();
     let dropped = mesh.face_count() - faces.len() - shared;
     if turned.is_empty() && faces.len() == mesh.face_count() {
         let metrics = measure_certified(mesh, uv, certify_stored(mesh, uv, precision)?)?;
@@ -119,13 +129,37 @@ mod tests {
     }
 
     #[test]
-    fn faces_on_each_other_with_vertices_of_their_own_overlap() {
+    fn faces_in_one_place_share_their_uvs_whatever_their_vertices_and_others_on_the_same_uvs_overlap() {
         let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from);
-        let mesh = TriMesh::new([points, points].concat(), &[[0, 1, 2], [3, 4, 5]]).expect("indices in range");
-        let flat: Vec<Point2<f64>> = mesh.positions().iter().map(|p| Point2::new(p.x, p.y)).collect();
-        let uv = UvMap::per_vertex(&mesh, &flat);
-        let judged = judge(&mesh, &uv, &JudgeSettings::default()).expect("a judgement");
-        assert_eq!(judged.shared, 0);
-        assert!(!judged.metrics.injective());
+        for (height, shared) in [(0.0, 1), (1.0, 0)] {
+            let above = points.map(|p| Point3::new(p.x, p.y, height));
+            let mesh = TriMesh::new([points, above].concat(), &[[0, 1, 2], [3, 4, 5]]).expect("indices in range");
+            let flat: Vec<Point2<f64>> = mesh.positions().iter().map(|p| Point2::new(p.x, p.y)).collect();
+            let uv = UvMap::per_vertex(&mesh, &flat);
+            let judged = judge(&mesh, &uv, &JudgeSettings::default()).expect("a judgement");
+            assert_eq!((judged.shared, judged.metrics.injective()), (shared, shared == 1));
+        }
+    }
+
+    #[test]
+    fn sides_of_a_leaf_with_vertices_of_their_own_share_texels_if_asked() {
+        let leaf = leaf();
+        let faces: Vec<[usize; 3]> = leaf
+            .faces()
+            .iter()
+            .enumerate()
+            .map(|(f, face)| face.map(|v| if f < 32 { v.index() } else { 25 + v.index() }))
+            .collect();
+        let mesh = TriMesh::new([leaf.positions(), leaf.positions()].concat(), &faces).expect("indices in range");
+        for weld in [Weld::Auto, Weld::Off] {
+            let unwrap = Unwrap { double_sided: DoubleSided::Shared, weld, ..Unwrap::default() };
+            let unwrapped = unwrap.run(&mesh, &SurfaceHints::default(), &mut Silent).expect("charts");
+            let stored: (crate::Stored, Precision) = (|p| p, Precision::Double);
+            let packed = Atlas::default().pack(&mesh, &unwrapped, None, stored).expect("an atlas");
+            let settings = JudgeSettings { weld, ..JudgeSettings::default() };
+            let of_file = judge(&mesh, &packed.uv, &settings).expect("a judgement");
+            assert_eq!((unwrapped.shared, of_file.shared, of_file.metrics.triangles), (32, 32, 32));
+            assert!(of_file.metrics.injective());
+        }
     }
 }

@@ -47,7 +47,10 @@ pub use holes::{Filled, HoleFilling, fill, loop_length, outer_loop};
 pub use nets::{HardSurface, PlanarFacets, hard_surface, hard_surface_asking, planar_facets};
 pub use open::open;
 pub use part::{two_parts, two_parts_asking};
-pub use repair::{DoubleSided, Found, RepairError, RepairReport, Repaired, repair, repair_asking, repair_with};
+pub use repair::{
+    DoubleSided, Found, RepairError, RepairReport, Repaired, first_at_place, paired_by_place, repair, repair_asking,
+    repair_with,
+};
 pub use seams::Seams;
 pub use simplify::{Simplified, simplify, simplify_asking};
 pub use weld::{Weld, Welded, weld, weld_asking, weld_within};

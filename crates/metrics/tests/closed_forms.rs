@@ -192,6 +192,31 @@ fn sides_that_cross_within_rounding_are_touches_and_deeper_ones_are_overlaps() {
     assert_eq!(two_strips(8, |_| 1.0).certificate.touch_depth, 0.0);
 }
 
+/// Two triangles with a corner at the origin: one up to the x-axis, the other from these points on.
+fn two_corners(from: [f64; 2], to: [f64; 2]) -> Metrics {
+    let flat = [[0.0, 0.0], [0.0, 8.0], [8.0, 0.0], [0.0, 0.0], from, to];
+    let positions: Vec<[f64; 3]> = (0..6).map(|i| [flat[i][0], flat[i][1], (i / 3) as f64]).collect();
+    let faces = [[0, 2, 1], [3, 4, 5]];
+    measured(&mesh(&positions, &faces), &uv_map(&flat, &faces))
+}
+
+#[test]
+fn sectors_over_each_other_within_rounding_are_touches_and_deeper_ones_are_overlaps() {
+    let unit = 8.0 * f64::EPSILON;
+    let beside = two_corners([0.0, -8.0], [8.0, 0.0]);
+    assert_eq!((beside.meetings, beside.touches, beside.touch_depth), (0, 2, 0.0));
+    // Its last side has sunk into the other triangle by one unit.
+    let touching = two_corners([0.0, -8.0], [7.0, unit]);
+    assert_eq!((touching.meetings, touching.injective()), (0, true), "{touching:?}");
+    assert!(touching.touch_depth > 0.0 && touching.touch_depth <= 4.0 * unit);
+    assert!(!two_corners([0.0, -8.0], [7.0, 64.0 * unit]).injective());
+    assert!(!two_corners([0.0, -8.0], [7.0, 1.0]).injective());
+    // Two of the sides are on one line, and the sectors lie over each other by a right angle.
+    assert!(!two_corners([7.0, 0.0], [0.0, 7.0]).injective());
+    // A needle inside of the other.
+    assert!(!two_corners([4.0, 4.0], [4.0 - unit, 4.0]).injective());
+}
+
 #[test]
 fn a_deep_overlap_that_begins_within_rounding_is_none_of_the_touches() {
     // The side sinks slowly into the other strip: both ends of the lens are shallow, its middle is not.

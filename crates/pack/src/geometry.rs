@@ -92,6 +92,12 @@ impl Hull {
         if w >= h { best } else { [-best[1], best[0]] }
     }
 
+    /// The least distance of two parallel lines that hold the hull between them: one of them goes along an edge.
+    pub(crate) fn width(&self) -> f64 {
+        let across = |direction: Point| self.size(turn_of(direction))[1];
+        self.edge_directions().into_iter().map(across).min_by(f64::total_cmp).unwrap_or(0.0)
+    }
+
     /// The turn after which the hull fits into a rectangle of this shape at the largest scale, and that scale.
     ///
     /// The extents are `a · d` with `a` the direction of an axis and `d` between two opposite corners, constant between

@@ -1,6 +1,6 @@
 //! What is packed, and where it is put.
 
-use crate::geometry::turned;
+use crate::geometry::{Hull, turned};
 
 /// What stays together: one polygon with holes, or several that may overlap.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,6 +19,12 @@ impl Piece {
     #[must_use]
     pub fn new(loops: Vec<Vec<[f64; 2]>>) -> Self {
         Self { polygons: vec![loops], ..Self::default() }
+    }
+
+    /// The width of the narrowest strip that it fits into.
+    #[must_use]
+    pub fn width(&self) -> f64 {
+        Hull::of(&self.points().collect::<Vec<_>>()).width()
     }
 
     pub(crate) fn points(&self) -> impl Iterator<Item = [f64; 2]> {

@@ -1,10 +1,10 @@
 //! What is proved of packed charts, and how distorted they are.
 
-use abf_cut::{DoubleSided, RepairError, Repaired, Weld, repair_with, weld_within};
+use abf_cut::{DoubleSided, RepairError, Repaired, Weld, first_at_place, repair_with, weld_within};
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap, VertexId};
 use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify_stored, measure_certified};
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::HashSet;
 
 /// What was proved of a chart before it was packed.
 #[derive(Clone, Copy, Debug)]
@@ -88,34 +88,47 @@ pub(crate) fn as_repaired<'m>(
     rule: Weld,
     objects: Option<&[u32]>,
 ) -> Result<(Cow<'m, TriMesh>, Repaired), RepairError> {
-    let (working, scale) = match mesh.in_range() {
-        Some((scaled, scale)) => (Cow::Owned(scaled), scale),
-        None => (Cow::Borrowed(mesh), 1.0),
-    };
-    let joined = match weld_within(&working, rule.scaled(scale), objects) {
-        Some(welded) => Cow::Owned(welded.mesh),
-        None => working,
-    };
+    let joined = as_joined(mesh, rule, objects);
     let repaired = repair_with(&joined, DoubleSided::Own)?;
     Ok((joined, repaired))
 }
 
-/// For every face of the mesh whether an earlier one has its vertices and its UVs.
-pub(crate) fn sharing(joined: &TriMesh, uv: &UvMap, repaired: &Repaired) -> Vec<bool> {
-    let mut is_shared = vec![false; joined.face_count()];
-    if repaired.report.double_faces.count == 0 {
-        return is_shared;
+/// A mesh with vertices in one place joined, in the range of numbers that can be worked with.
+pub(crate) fn as_joined<'m>(mesh: &'m TriMesh, rule: Weld, objects: Option<&[u32]>) -> Cow<'m, TriMesh> {
+    let (working, scale) = match mesh.in_range() {
+        Some((scaled, scale)) => (Cow::Owned(scaled), scale),
+        None => (Cow::Borrowed(mesh), 1.0),
+    };
+    match weld_within(&working, rule.scaled(scale), objects) {
+        Some(welded) => Cow::Owned(welded.mesh),
+        None => working,
     }
-    type Corner = (VertexId, [u64; 2]);
-    let mut known: HashMap<[Corner; 3], FaceId> = HashMap::new();
-    let mut faces = repaired.faces.clone();
-    faces.sort_unstable();
-    for face in faces {
-        let vertices = joined.faces()[face.index()];
-        let place = |p: Point2<f64>| [p.x, p.y].map(|x| (x + 0.0).to_bits());
-        let mut key = face.corners().map(|c| (vertices[c.place()], place(uv.corner(c))));
+}
+
+/// For every face of the mesh whether an earlier one has its place and its UVs.
+pub(crate) fn sharing(joined: &TriMesh, uv: &UvMap) -> Vec<bool> {
+    let first_at = first_at_place(joined);
+    let at_places = |vertices: &[VertexId; 3]| vertices.map(|v| first_at[v.index()]);
+    let mut order: Vec<([VertexId; 3], FaceId)> = Vec::with_capacity(joined.face_count());
+    for (f, vertices) in joined.faces().iter().enumerate() {
+        let mut key = at_places(vertices);
         key.sort_unstable();
-        is_shared[face.index()] = known.insert(key, face).is_some();
+        // One that uses a place twice is nobody's double.
+        if key[0] != key[1] && key[1] != key[2] {
+            order.push((key, FaceId::new(f)));
+        }
+    }
+    order.sort_unstable();
+    let mut is_shared = vec![false; joined.face_count()];
+    let place = |p: Point2<f64>| [p.x, p.y].map(|x| (x + 0.0).to_bits());
+    for same in order.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
+        let mut known = HashSet::new();
+        for &(_, face) in same {
+            let at = at_places(&joined.faces()[face.index()]);
+            let mut key = face.corners().map(|c| (at[c.place()], place(uv.corner(c))));
+            key.sort_unstable();
+            is_shared[face.index()] = !known.insert(key);
+        }
     }
     is_shared
 }

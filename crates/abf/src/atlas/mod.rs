@@ -4,6 +4,7 @@ pub(crate) mod judge;
 mod outline;
 mod parting;
 mod repack;
+mod sizes;
 mod stored;
 
 use crate::unwrap::{Unwrapped, UnwrappedChart};
@@ -13,7 +14,7 @@ use abf_metrics::{Metrics, MetricsError, Precision};
 use abf_pack::{Effort, PackError, PackSettings, Packing, Piece};
 use abf_parallel::prelude::*;
 use judge::Judge;
-pub(crate) use judge::{Parts, Proved, as_repaired, in_input, sharing};
+pub(crate) use judge::{Parts, Proved, as_joined, in_input, sharing};
 use std::collections::HashMap;
 
 /// How charts are laid out in the unit square.
@@ -117,13 +118,18 @@ pub struct Packed {
     pub placements: Vec<Placement>,
     /// How many pages there are.
     pub pages: usize,
-    /// How many texels a unit of the mesh gets, the same in all charts.
+    /// How many texels a unit of the mesh gets, the same in all charts but those with a [scale](Self::scales).
     pub texels_per_unit: f64,
     /// The part of the pages that charts cover.
     pub coverage: f64,
     /// Where charts come nearer to themselves than the margin, chart by chart, the narrowest place first. No packing can
     /// change that.
     pub narrow: Vec<NarrowPlace>,
+    /// The charts that are less than a texel wide, ascending.
+    pub under_a_texel: Vec<usize>,
+    /// The size of every chart as a part of the size it has at `texels_per_unit`: its [`scale`](UnwrappedChart::scale), or more
+    /// where it is so small that its triangles would collapse as they are stored.
+    pub scales: Vec<f64>,
     /// Distortion of all charts together, and what is proved of them as stored: no overlap means that no two charts of a
     /// page overlap, either. Faces that repair dropped are not judged. Of a page that is no square, the distortion is that
     /// of texels, and `uv_area` counts its longer side as 1.
@@ -148,7 +154,7 @@ pub struct NarrowPlace {
 pub struct Placement {
     /// Its page, counted from 0.
     pub page: usize,
-    /// The cosine and the sine of the angle that it is turned by.
+    /// The cosine and the sine of the angle that it is turned by, times its [scale](Packed::scales).
     pub turn: [f64; 2],
     /// The lower left corner of its box after that, in units of the mesh.
     pub low: Point2<f64>,
@@ -202,7 +208,8 @@ impl Atlas {
     /// [`AtlasPages::PerMaterial`] only. `stored` says what the format that the UVs are for makes of a point, in the
     /// precision that they are certified in.
     ///
-    /// A chart that is valid or injective before, and would not be after turning and rounding, is not turned.
+    /// A chart that is valid or injective before, and would not be after turning and rounding, is not turned; if that does not
+    /// help, and it is less than a texel wide, it is made larger.
     ///
     /// # Errors
     /// [`AtlasError`].
@@ -217,17 +224,22 @@ impl Atlas {
         let components = || unwrapped.charts.iter().map(|chart| chart.component).collect();
         let faces = unwrapped.charts.iter().map(|chart| chart.faces.as_slice());
         let page_of = self.groups(mesh, faces, components, materials)?;
-        let piece = |(chart, &group): (&UnwrappedChart, &usize)| Piece {
-            polygons: outline_of(chart),
-            group,
-            keeps_its_angle: false,
+        let piece = |(chart, &group): (&UnwrappedChart, &usize)| {
+            let mut piece = Piece { polygons: outline_of(chart), group, keeps_its_angle: false };
+            sizes::resize(&mut piece, chart.scale);
+            piece
         };
+        let mut scales: Vec<f64> = unwrapped.charts.iter().map(|chart| chart.scale).collect();
         let mut pieces: Vec<Piece> = unwrapped.charts.par_iter().zip(&page_of).map(piece).collect();
         let settings = self.packer(stored.precision());
         loop {
             let Packing { texels_per_unit, placements, pages, .. } =
                 abf_pack::pack(&pieces, &settings).map_err(|error| self.refused(error))?;
-            let placements: Vec<Placement> = placements.into_iter().map(Placement::from).collect();
+            let of_chart = |(placed, scale): (abf_pack::Placement, &f64)| {
+                let turn = placed.turn.map(|x| x * scale);
+                Placement { turn, ..Placement::from(placed) }
+            };
+            let placements: Vec<Placement> = placements.into_iter().zip(&scales).map(of_chart).collect();
             let uv = unwrapped.assemble(|i, p| stored.point(placements[i].place(p, texels_per_unit, self.page)));
             let judge = Judge::new(mesh, &unwrapped.turned, &uv, stored.precision());
             let mut faces_of = vec![Vec::new(); pages];
@@ -235,15 +247,27 @@ impl Atlas {
                 faces_of[placement.page].extend_from_slice(&chart.faces);
             }
             let certificate = judge.certificate(&faces_of)?;
-            let mut spoilt = judge.spoilt(proved(&unwrapped.charts), &certificate)?;
-            spoilt.retain(|&i| !pieces[i].keeps_its_angle);
-            if spoilt.is_empty() {
+            let mut is_changed = false;
+            for i in judge.spoilt(proved(&unwrapped.charts), &certificate)? {
+                is_changed |= sizes::mend(&mut pieces[i], &mut scales[i], texels_per_unit);
+            }
+            if !is_changed {
                 let metrics = judge.metrics(&faces_of.concat(), certificate, self.page)?;
                 let coverage = metrics.uv_area / (pages as f64 * self.aspect());
-                let narrow = self.narrow_places(&pieces, texels_per_unit);
-                return Ok(Packed { uv, placements, pages, texels_per_unit, coverage, narrow, metrics });
+                let narrow = self.narrow_places(&pieces, &scales, texels_per_unit);
+                let under_a_texel = sizes::under_a_texel(&pieces, texels_per_unit);
+                return Ok(Packed {
+                    uv,
+                    placements,
+                    pages,
+                    texels_per_unit,
+                    coverage,
+                    narrow,
+                    under_a_texel,
+                    scales,
+                    metrics,
+                });
             }
-            spoilt.iter().for_each(|&i| pieces[i].keeps_its_angle = true);
         }
     }
 
@@ -269,12 +293,12 @@ impl Atlas {
         f64::from(self.page[0].min(self.page[1])) / f64::from(self.longer_side())
     }
 
-    fn narrow_places(&self, pieces: &[Piece], texels_per_unit: f64) -> Vec<NarrowPlace> {
+    fn narrow_places(&self, pieces: &[Piece], scales: &[f64], texels_per_unit: f64) -> Vec<NarrowPlace> {
         let within = f64::from(self.margin) / texels_per_unit;
         let of_chart = |(chart, piece): (usize, &Piece)| -> Vec<NarrowPlace> {
             let place = |gap: abf_pack::Gap| {
                 let texels = gap.distance * texels_per_unit;
-                NarrowPlace { chart, ends: gap.points.map(Point2::from), texels }
+                NarrowPlace { chart, ends: gap.points.map(|p| Point2::from(p) / scales[chart]), texels }
             };
             abf_pack::gaps(piece, within).into_iter().map(place).collect()
         };

@@ -1,11 +1,12 @@
 //! From charts back to the corners of the input.
 
 use super::finish::Finished;
+use super::order::InOrder;
 use super::{Unwrapped, UnwrappedChart};
 use abf_control::{Cancelled, Checkpoint, at_block};
-use abf_cut::{Chart, Repaired, uv_borders};
+use abf_cut::{Repaired, uv_borders};
 use abf_mesh::{CornerId, FaceId, Point2, TriMesh, UvId, UvMap, VertexId};
-use abf_metrics::Precision;
+use abf_metrics::{Certificate, Precision};
 
 /// Everything in terms of the input, whose coordinates were multiplied by `scale` to work with. `joined` has its faces with
 /// vertices in one place made one.
@@ -14,7 +15,7 @@ pub(super) fn unwrapped(
     input: &TriMesh,
     joined: &TriMesh,
     repaired: &Repaired,
-    parts: &[Chart],
+    parts: &[InOrder],
     finished: Vec<Vec<Finished>>,
     scale: f64,
     precision: Precision,
@@ -52,19 +53,29 @@ pub(super) fn unwrapped(
 fn in_input(
     component: usize,
     finished: Finished,
-    part: &Chart,
+    part: &InOrder,
     repaired: &Repaired,
     scale: f64,
     precision: Precision,
 ) -> UnwrappedChart {
-    let in_repaired: Vec<FaceId> = finished.faces.iter().map(|f| part.faces[f.index()]).collect();
-    let faces = in_repaired.iter().map(|f| repaired.faces[f.index()]).collect();
-    let mut corners = finished.uv.corners().to_vec();
-    for (three, f) in corners.chunks_exact_mut(3).zip(&in_repaired) {
-        if repaired.turned[f.index()] {
-            three.swap(1, 2);
+    // Its faces in the order of the input, each with its place in the chart.
+    let in_repaired = |f: &FaceId| part.chart.faces[f.index()];
+    let mut order: Vec<(FaceId, usize)> =
+        finished.faces.iter().enumerate().map(|(i, f)| (repaired.faces[in_repaired(f).index()], i)).collect();
+    order.sort_unstable();
+    let mut corners = vec![UvId::new(0); 3 * order.len()];
+    for (three, &(_, place)) in corners.chunks_exact_mut(3).zip(&order) {
+        for c in finished.faces[place].corners() {
+            let of_map = FaceId::new(place).corner(c.place());
+            let in_input = repaired.input_corner(part.corner(c));
+            three[in_input.place()] = finished.uv.corners()[of_map.index()];
         }
     }
+    let mut number = vec![FaceId::new(0); order.len()];
+    order.iter().enumerate().for_each(|(i, &(_, place))| number[place] = FaceId::new(i));
+    let faces = order.into_iter().map(|(face, _)| face).collect();
+    let mut metrics = finished.metrics;
+    renumber(&mut metrics.certificate, &number);
     let to_input = |x: f64| if scale == 1.0 { x } else { precision.round(x / scale) };
     let points = finished.uv.points().iter().map(|p| p.map(to_input)).collect();
     UnwrappedChart {
@@ -72,7 +83,7 @@ fn in_input(
         piece: finished.piece,
         faces,
         uv: UvMap::new(points, corners),
-        metrics: finished.metrics,
+        metrics,
         solver: finished.solver,
         termination: finished.termination,
         solve: finished.solve,
@@ -83,14 +94,25 @@ fn in_input(
         rounds: finished.rounds,
         holes_filled: finished.holes_filled,
         virtual_faces: finished.virtual_faces,
+        scale: 1.0,
         unfinished: finished.is_unfinished,
     }
 }
 
+/// Names the faces of a certificate anew.
+fn renumber(certificate: &mut Certificate, number: &[FaceId]) {
+    let anew = |f: &mut FaceId| *f = number[f.index()];
+    certificate.flipped_faces.iter_mut().for_each(anew);
+    certificate.collapsed_faces.iter_mut().for_each(anew);
+    certificate.near_collapsed_faces.iter_mut().for_each(anew);
+    certificate.overlapping_faces.iter_mut().flatten().for_each(anew);
+}
+
 /// The faces, by their numbers in the input, that are in no chart.
-fn in_no_chart(parts: &[Chart], repaired: &Repaired, finished: &[Vec<Finished>]) -> Vec<FaceId> {
+fn in_no_chart(parts: &[InOrder], repaired: &Repaired, finished: &[Vec<Finished>]) -> Vec<FaceId> {
     let mut nowhere = Vec::new();
     for (part, finished) in parts.iter().zip(finished) {
+        let part = &part.chart;
         let mut is_somewhere = vec![false; part.faces.len()];
         finished.iter().flat_map(|chart| &chart.faces).for_each(|f| is_somewhere[f.index()] = true);
         let left = part.faces.iter().zip(is_somewhere).filter(|&(_, is_somewhere)| !is_somewhere);

@@ -1,39 +1,53 @@
-//! Long charts, parted: one that is far longer than a page is wide would set the density of all others.
+//! Long charts, parted, or laid out smaller where their faces are as long as they are: one that is far longer than a page is wide
+//! would set the density of all others.
 
 use super::finish::Finished;
+use super::order::InOrder;
 use super::overlap::{neighbours, part_of};
-use super::{SurfaceHints, Unwrap, UnwrapError};
+use super::{SurfaceHints, Unwrap, UnwrapError, UnwrappedChart};
 use crate::FlattenError;
 use abf_control::Checkpoint;
-use abf_cut::{Chart, Repaired};
+use abf_cut::Repaired;
 use abf_mesh::{CornerId, DisjointSets, FaceId, Point2, UvMap, Vector2};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// About the part of a page that charts cover.
 const COVERED: f64 = 0.5;
 
+/// A part of less than this share of the mean area of a slice goes with a neighbour.
+const CRUMB: f64 = 0.25;
+
+/// Parts are worth it when none is longer than this share of the chart.
+const SHORTER: f64 = 0.6;
+
+/// Charts are laid out smaller beside others that have at least this share of the area.
+const LEAST_REST: f64 = 1e-3;
+
+/// Charts that are laid out smaller take no more than this share of the area of a page.
+const MOST_OF_PAGE: f64 = 0.5;
+
 impl Unwrap {
-    /// Parts the charts of all components that are longer than `limit` page widths, into parts of at most one page width.
+    /// Parts the charts of all components that are longer than `limit` page widths, into slices of about one page width.
     /// A page is as wide as the square that all charts together cover half of. A chart stays whole where a part would have
-    /// more L2 stretch than the chart and the aim. Gives back how many charts were parted.
+    /// more L2 stretch than the chart and the aim, and where its faces are so long that parts are hardly shorter. Gives back
+    /// how many charts were parted.
     pub(super) fn part_long(
         &self,
         limit: f64,
         (repaired, hints): (&Repaired, &SurfaceHints<'_>),
-        components: &[Chart],
+        components: &[InOrder],
         charts: &mut [Vec<Finished>],
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<usize, UnwrapError> {
-        let may_not_cut = |part: &Chart, c: CornerId| {
-            let of_component = |c: CornerId| part.faces[c.face().index()].corner(c.place());
-            let sides = [Some(c), part.topology.opposite(c)];
-            sides.into_iter().flatten().any(|c| hints.is_forbidden(repaired.input_corner(of_component(c))))
+        let may_not_cut = |part: &InOrder, c: CornerId| {
+            let sides = [Some(c), part.chart.topology.opposite(c)];
+            sides.into_iter().flatten().any(|c| hints.is_forbidden(repaired.input_corner(part.corner(c))))
         };
         let area: f64 = charts.iter().flatten().map(|chart| chart.metrics.surface_area).sum();
-        let width = (area / COVERED).sqrt();
+        let width = page_width(area);
         let mut parted = 0;
         for (component, charts) in components.iter().zip(charts) {
-            let first = repaired.faces[component.faces[0].index()];
+            let first = repaired.faces[component.lowest_face().index()];
             let mut out = Vec::with_capacity(charts.len());
             for chart in charts.drain(..) {
                 let (length, axis) = longest(&chart.uv);
@@ -46,7 +60,9 @@ impl Unwrap {
                 };
                 // The L2 stretch of a part may be above that of the whole.
                 let worst = parts.iter().map(|part| part.metrics.stretch_l2).fold(0.0, f64::max);
-                if parts.len() > 1 && worst <= chart.metrics.stretch_l2.max(self.max_stretch) {
+                let left = parts.iter().map(|part| longest(&part.uv).0).fold(0.0, f64::max);
+                let is_worth_it = parts.len() > 1 && left <= SHORTER * length;
+                if is_worth_it && worst <= chart.metrics.stretch_l2.max(self.max_stretch) {
                     parted += 1;
                     out.extend(parts);
                 } else {
@@ -58,6 +74,41 @@ impl Unwrap {
         }
         Ok(parted)
     }
+}
+
+/// Of charts that could not be parted, those longer than `limit` page widths are given a scale at which they are one page width
+/// long; the page is that of all charts at their scales. Nothing is done where there are no others.
+///
+/// A chart of length l and area a at the scale s = w / l has the area a w² / l². With A the area of the others and c the part of
+/// a page that is covered, c w² = A + Σ a w² / l².
+pub(super) fn shrink_long(charts: &mut [UnwrappedChart], limit: f64) {
+    let triangle = |[p, q, r]: [Point2<f64>; 3]| 0.5 * (q - p).perp(&(r - p)).abs();
+    let sizes: Vec<(f64, f64)> =
+        charts.iter().map(|chart| (longest(&chart.uv).0, chart.uv.triangles().map(triangle).sum())).collect();
+    let mut order: Vec<usize> = (0..charts.len()).filter(|&i| charts[i].metrics.valid()).collect();
+    order.sort_by(|&i, &j| sizes[j].0.total_cmp(&sizes[i].0).then(i.cmp(&j)));
+    let all: f64 = sizes.iter().map(|size| size.1).sum();
+    let mut rest = all;
+    let mut long = Vec::new();
+    for i in order {
+        let (length, area) = sizes[i];
+        if length > limit * page_width(rest) && rest - area > LEAST_REST * all {
+            long.push(i);
+            rest -= area;
+        } else {
+            break;
+        }
+    }
+    let thin: f64 = long.iter().map(|&i| sizes[i].1 / (COVERED * sizes[i].0.powi(2))).sum();
+    let width = page_width(rest / (1.0 - thin.min(MOST_OF_PAGE)));
+    for i in long {
+        charts[i].scale = (width / sizes[i].0).min(1.0);
+    }
+}
+
+/// The side of the square that so much area covers [`COVERED`] of.
+fn page_width(area: f64) -> f64 {
+    (area / COVERED).sqrt()
 }
 
 /// About the largest distance of two points, and the direction between them.
@@ -74,11 +125,11 @@ fn longest(uv: &UvMap) -> (f64, Vector2<f64>) {
 
 /// The connected parts of a chart in slices of equal width across its length.
 fn slices(
-    component: &Chart,
+    component: &InOrder,
     chart: &Finished,
     (length, axis): (f64, Vector2<f64>),
     width: f64,
-    may_not_cut: &dyn Fn(&Chart, CornerId) -> bool,
+    may_not_cut: &dyn Fn(&InOrder, CornerId) -> bool,
     checkpoint: &mut Checkpoint<'_>,
 ) -> Result<Vec<Finished>, FlattenError> {
     let along = |p: &Point2<f64>| p.coords.dot(&axis);
@@ -107,17 +158,60 @@ fn slices(
             connected.unite(f, g);
         }
     }
+    let area = |f: usize| {
+        let [p, q, r] = chart.uv.triangle(FaceId::new(f));
+        0.5 * (q - p).perp(&(r - p)).abs()
+    };
+    let least = CRUMB * (0..faces).map(area).sum::<f64>() / count;
+    while join_crumbs(&chart.uv, &neighbours, &mut connected, &area, least) {
+        checkpoint()?;
+    }
     // By the first face of each, the faces ascending.
     let mut places_of: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     (0..faces).for_each(|f| places_of.entry(connected.find(f)).or_default().push(f));
     let mut parts = Vec::new();
     for places in places_of.values() {
         // A part without area has no map of its own.
-        match part_of(&component.mesh, chart, &chart.faces, places, checkpoint) {
+        match part_of(&component.chart.mesh, chart, &chart.faces, places, checkpoint) {
             Ok(part) => parts.push(part),
             Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
             Err(_) => return Ok(Vec::new()),
         }
     }
     Ok(parts)
+}
+
+/// Joins every set of faces of less than the `least` area to the neighbour that it shares the longest border with. Whether there
+/// was one; the sets may still be too small then.
+fn join_crumbs(
+    uv: &UvMap,
+    neighbours: &[[Option<usize>; 3]],
+    sets: &mut DisjointSets,
+    area: &dyn Fn(usize) -> f64,
+    least: f64,
+) -> bool {
+    let mut areas: BTreeMap<usize, f64> = BTreeMap::new();
+    (0..neighbours.len()).for_each(|f| *areas.entry(sets.find(f)).or_default() += area(f));
+    let mut borders: HashMap<[usize; 2], f64> = HashMap::new();
+    for (f, around) in neighbours.iter().enumerate() {
+        let corners = uv.triangle(FaceId::new(f));
+        for (k, g) in around.iter().enumerate().filter_map(|(k, g)| g.map(|g| (k, g))) {
+            let (one, other) = (sets.find(f), sets.find(g));
+            if one != other {
+                *borders.entry([one, other]).or_default() += (corners[(k + 1) % 3] - corners[(k + 2) % 3]).norm();
+            }
+        }
+    }
+    let mut beside: BTreeMap<usize, (f64, usize)> = BTreeMap::new();
+    for (&[one, other], &length) in borders.iter().filter(|([one, _], _)| areas[one] < least) {
+        let best = beside.entry(one).or_insert((length, other));
+        if length > best.0 || (length == best.0 && other < best.1) {
+            *best = (length, other);
+        }
+    }
+    let mut is_any = false;
+    for (one, (_, other)) in beside {
+        is_any |= sets.unite(one, other);
+    }
+    is_any
 }

@@ -4,8 +4,10 @@ mod assemble;
 mod component;
 mod error;
 mod finish;
+mod flat;
 mod hints;
 mod long;
+mod order;
 mod overlap;
 mod piece;
 mod relay;
@@ -18,8 +20,8 @@ mod unfinished;
 use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolveReport, SolverKind, ZeroArea};
 use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, ask};
 use abf_cut::{
-    Chart, CostSettings, DoubleSided, RepairReport, Seams, Weld, label_borders, repair_asking, split_asking,
-    uv_borders, weld_asking,
+    Chart, CostSettings, DoubleSided, RepairReport, Seams, Weld, label_borders, paired_by_place, repair_asking,
+    split_asking, uv_borders, weld_asking,
 };
 use abf_mesh::{CornerId, FaceId, TriMesh, UvId, UvMap, VertexId};
 use abf_metrics::Metrics;
@@ -28,6 +30,7 @@ use component::Component;
 pub use error::UnwrapError;
 use finish::Finished;
 pub use hints::SurfaceHints;
+use order::InOrder;
 use relay::Relay;
 pub use rules::{HoleRule, SeamRule};
 use std::collections::HashMap;
@@ -56,6 +59,7 @@ pub struct Unwrap {
     pub crease_angle: f64,
     /// A chart longer than so many page widths is parted, unless the mesh is one disk that stays whole: a page is as wide as the
     /// square that all charts together cover half of. At least 1. Below 4, boxes that unfold in one piece are parted, too.
+    /// Beside others, a chart whose faces are as long as it is gets a [`scale`](UnwrappedChart::scale) below 1 instead.
     pub max_chart_length: Option<f64>,
     /// How many vertices a round joins to the seam, at most.
     pub terminals: usize,
@@ -163,6 +167,9 @@ pub struct UnwrappedChart {
     pub holes_filled: usize,
     /// How many virtual faces that took.
     pub virtual_faces: usize,
+    /// The size at which an atlas has it, as a part of that of the other charts: below 1 where it is longer than
+    /// [`Unwrap::max_chart_length`] and cannot be parted. Its UVs have the area of the surface all the same.
+    pub scale: f64,
     /// Whether there was no time to finish it: it is its last valid map, and may miss the aim.
     pub unfinished: bool,
 }
@@ -202,7 +209,8 @@ impl Unwrap {
         let mut checkpoint = || ask(observer, Event::Working);
         let welded = weld_asking(working, self.weld.scaled(scale), hints.objects, &mut checkpoint)?;
         let joined = welded.as_ref().map_or(working, |welded| &welded.mesh);
-        let mut repaired = repair_asking(joined, self.double_sided, &mut checkpoint)?;
+        let paired = (self.double_sided == DoubleSided::Shared).then(|| paired_by_place(joined)).flatten();
+        let mut repaired = repair_asking(paired.as_ref().unwrap_or(joined), self.double_sided, &mut checkpoint)?;
         repaired.report.joined_vertices = welded.as_ref().map(|welded| welded.joined).unwrap_or_default();
         ask(observer, Event::Working)?;
         if self.strict {
@@ -217,16 +225,20 @@ impl Unwrap {
         let checkpoint = &mut || ask(observer, Event::Working);
         let parts = split_asking(&repaired.mesh, &repaired.topology, &kept, checkpoint)?.map_err(FlattenError::from)?;
         checkpoint()?;
-        let relay = Relay::new(observer, parts.len(), repaired.mesh.face_count());
         let stays_whole = parts.len() == 1 && !self.cut_disks;
-        let finish = |(number, part): (usize, &Chart)| -> Result<Vec<Finished>, UnwrapError> {
-            let is_forbidden = |c: CornerId| {
-                let corner = part.faces[c.face().index()].corner(c.place());
-                hints.is_forbidden(repaired.input_corner(corner))
-            };
+        let in_order = |part: Chart| {
+            let is_kept = stays_whole && part.topology.require_disk().is_ok();
+            if is_kept { Ok(InOrder::as_it_is(part)) } else { InOrder::of_places(&part) }
+        };
+        let parts: Vec<InOrder> = parts.into_iter().map(in_order).collect::<Result<_, _>>()?;
+        ask(observer, Event::Working)?;
+        let relay = Relay::new(observer, parts.len(), repaired.mesh.face_count());
+        let finish = |(number, in_order): (usize, &InOrder)| -> Result<Vec<Finished>, UnwrapError> {
+            let is_forbidden = |c: CornerId| hints.is_forbidden(repaired.input_corner(in_order.corner(c)));
+            let part = &in_order.chart;
             let (settings, is_forbidden, budget, relay) = (self, &is_forbidden, &budget, &relay);
             let component = Component { settings, part, number, chart: 0, stays_whole, is_forbidden, budget, relay };
-            let first = repaired.faces[part.faces[0].index()];
+            let first = repaired.faces[in_order.lowest_face().index()];
             let charts = component.run().map_err(|source| UnwrapError::Chart { first, source })?;
             relay.ear(number, 0).end();
             Ok(charts)
@@ -259,7 +271,7 @@ impl Unwrap {
             None => {
                 let whole = assemble::unwrapped(
                     mesh,
-                    welded.as_ref().map_or(mesh, |w| &w.mesh),
+                    paired.as_ref().or(welded.as_ref().map(|welded| &welded.mesh)).unwrap_or(mesh),
                     &repaired,
                     &parts,
                     charts,
@@ -267,7 +279,11 @@ impl Unwrap {
                     self.pipeline.precision,
                     &mut go_on,
                 )?;
-                Ok(Unwrapped { parted, ..whole })
+                let mut whole = Unwrapped { parted, ..whole };
+                if let Some(limit) = self.max_chart_length.filter(|_| !stays_whole) {
+                    long::shrink_long(&mut whole.charts, limit);
+                }
+                Ok(whole)
             }
         }
     }

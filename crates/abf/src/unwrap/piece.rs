@@ -102,6 +102,9 @@ impl Component<'_, '_> {
         }
         let is_flat = whole.metrics.stretch_l2 <= self.settings.max_stretch;
         if whole.metrics.valid() && whole.termination.is_as_asked() && is_flat {
+            if let Some(flat) = self.laid_flat(piece, &whole)? {
+                return Ok(Some(Attempt::Done(vec![flat], Vec::new())));
+            }
             return self.taken_apart(piece, whole).map(Some);
         }
         Ok(None)

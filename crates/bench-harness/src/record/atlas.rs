@@ -28,7 +28,7 @@ pub(crate) struct Atlas {
     /// Texels between charts; nothing on a sheet.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) margin: Option<u32>,
-    /// Texels per unit of the mesh, the same in all charts; nothing on a sheet.
+    /// Texels per unit of the mesh, the same in all charts but those with a scale; nothing on a sheet.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) texels_per_unit: Option<f64>,
     /// Width and height of the sheet, in units of the mesh, if charts lie on one.
@@ -40,6 +40,9 @@ pub(crate) struct Atlas {
     /// Where charts come nearer to themselves than the margin.
     #[serde(default)]
     pub(crate) narrow: Narrow,
+    /// How many charts are less than a texel wide.
+    #[serde(default)]
+    pub(crate) under_a_texel: usize,
     /// How many edges are seams.
     pub(crate) seam_edges: usize,
     /// Their length.
@@ -117,6 +120,9 @@ pub(crate) struct Charted {
     /// L² stretch.
     #[serde(with = "figure")]
     pub(crate) stretch_l2: f64,
+    /// Its size on the page as a part of that of the others.
+    #[serde(default = "whole")]
+    pub(crate) scale: f64,
     /// Whether there was no time to finish it: its last valid map.
     pub(crate) unfinished: bool,
     /// The length of its seams.
@@ -132,6 +138,11 @@ pub(crate) struct Charted {
     /// Where the time of its piece went, every time that was flattened; absent in older documents.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) timings_s: Option<Stages>,
+}
+
+/// The scale in older documents.
+fn whole() -> f64 {
+    1.0
 }
 
 impl Deref for Charted {
@@ -151,7 +162,12 @@ impl Narrow {
 }
 
 impl Charted {
-    pub(crate) fn new(pipeline: &Pipeline, chart: &UnwrappedChart, placement: &Placement, took: Stages) -> Self {
+    pub(crate) fn new(
+        pipeline: &Pipeline,
+        chart: &UnwrappedChart,
+        (placement, scale): (&Placement, f64),
+        took: Stages,
+    ) -> Self {
         Self {
             component: chart.component,
             page: placement.page,
@@ -161,6 +177,7 @@ impl Charted {
             injective: chart.metrics.injective(),
             f: known(chart.metrics.f),
             stretch_l2: known(chart.metrics.stretch_l2),
+            scale,
             unfinished: chart.unfinished,
             seam_length: chart.seam_length,
             rounds: chart.rounds,

@@ -95,17 +95,20 @@ pub(crate) fn charts(
     let (uv, metrics, record) = match (packed, laid) {
         (None, Some(laid)) => {
             let coverage = laid.metrics.uv_area / laid.size.iter().product::<f64>();
-            let record = record((&unwrap, charting), &unwrapped, &laid.placements, coverage, progress);
+            let record = record((&unwrap, charting), &unwrapped, (&laid.placements, None), coverage, progress);
             (laid.uv, laid.metrics, AtlasRecord { sheet: Some(laid.size), ..record })
         }
         (Some((packed, cuts)), _) => {
-            let record = record((&unwrap, charting), &unwrapped, &packed.placements, packed.coverage, progress);
+            let places = (packed.placements.as_slice(), Some(packed.scales.as_slice()));
+            let record = record((&unwrap, charting), &unwrapped, places, packed.coverage, progress);
             let (page, margin) = (Some(charting.atlas.page), Some(charting.atlas.margin));
             let narrow = Narrow::new(&packed.narrow);
+            let under_a_texel = packed.under_a_texel.len();
             let texels_per_unit = Some(packed.texels_per_unit);
             let mut repairs = record.repairs;
             repairs.extend(cuts_said(cuts));
-            let record = AtlasRecord { pages: packed.pages, page, narrow, margin, texels_per_unit, repairs, ..record };
+            let record = AtlasRecord { pages: packed.pages, page, narrow, under_a_texel, repairs, ..record };
+            let record = AtlasRecord { margin, texels_per_unit, ..record };
             (packed.uv, packed.metrics, record)
         }
         (None, None) => unreachable!("without a sheet, charts are packed"),
@@ -134,7 +137,7 @@ pub(crate) fn stored(to_gltf: bool, precision: Precision) -> Stored {
 fn record(
     (unwrap, charting): (&Unwrap, &Charting),
     unwrapped: &Unwrapped,
-    placements: &[Placement],
+    (placements, scales): (&[Placement], Option<&[f64]>),
     coverage: f64,
     progress: &Progress<'_>,
 ) -> AtlasRecord {
@@ -148,18 +151,21 @@ fn record(
         let charts = count(unwrapped.parted, "chart", "charts");
         said.push(format!("{charts} longer than {length} page widths parted (--max-chart-length)"));
     }
+    said.extend(scales.map(|scales| resized(charting, unwrapped, scales)).unwrap_or_default());
     if unwrapped.shared > 0 {
         said.push(format!("{} the texels of another", count(unwrapped.shared, "face shares", "faces share")));
     }
-    let charted = |(chart, at): (&UnwrappedChart, &Placement)| {
-        Charted::new(&unwrap.pipeline, chart, at, progress.stages_of(chart.component, chart.piece))
+    let charted = |(i, (chart, at)): (usize, (&UnwrappedChart, &Placement))| {
+        let scale = scales.map_or(1.0, |scales| scales[i]);
+        Charted::new(&unwrap.pipeline, chart, (at, scale), progress.stages_of(chart.component, chart.piece))
     };
     AtlasRecord {
         settings: ChartSettings::new(unwrap, &charting.atlas),
-        charts: unwrapped.charts.iter().zip(placements).map(charted).collect(),
+        charts: unwrapped.charts.iter().zip(placements).enumerate().map(charted).collect(),
         pages: 1,
         page: None,
         narrow: Narrow::new(&[]),
+        under_a_texel: 0,
         margin: None,
         texels_per_unit: None,
         sheet: None,
@@ -172,4 +178,22 @@ fn record(
         may_overlap: charting.may_overlap,
         repairs: said,
     }
+}
+
+/// What is said of charts that are smaller or larger than the others.
+fn resized(charting: &Charting, unwrapped: &Unwrapped, scales: &[f64]) -> Vec<String> {
+    let mut said = Vec::new();
+    let smaller = unwrapped.charts.iter().filter(|chart| chart.scale < 1.0).count();
+    if let Some(length) = charting.unwrap.max_chart_length.filter(|_| smaller > 0) {
+        let charts = count(smaller, "chart", "charts");
+        said.push(format!(
+            "{charts} with faces longer than {length} page widths made smaller than the others (--max-chart-length)"
+        ));
+    }
+    let larger = unwrapped.charts.iter().zip(scales).filter(|(chart, scale)| **scale > chart.scale).count();
+    if larger > 0 {
+        let charts = count(larger, "chart", "charts");
+        said.push(format!("{charts} of triangles too small for the precision of the file made larger than the others"));
+    }
+    said
 }

@@ -4,6 +4,7 @@
 //! 2. Facets that meet at small angles are a smooth region. If it unfolds in one piece, it is developable; otherwise it is
 //!    curved in two directions, and left to a flattening.
 //! 3. Developable regions are joined along creases, the longest shared crease first, as long as nothing meets in the plane.
+//! 4. What is left over is joined by way of a facet of a neighbour, where that saves a chart for little more seam.
 //!
 //! Equal creases are taken in the order of their places, so the order of vertices and faces decides nothing.
 
@@ -16,6 +17,7 @@ use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::{CornerId, DisjointSets, FaceId, Point2, Topology, TriMesh};
 use facets::{Facets, Fold, compare, folds, normals, quantised};
 use net::Nets;
+use net::rejoin::Creases;
 use std::collections::HashMap;
 
 /// A region that unfolds only with more than this part of its smooth edges cut, by length, is no developable one.
@@ -101,6 +103,7 @@ pub fn hard_surface_asking(
     }
     let is_between = |fold: &Fold| developable(fold.corner.face()) && developable(fold.opposite.face());
     join(&mut nets, &folds[smooth..], is_between, checkpoint)?;
+    nets.rejoin(&Creases::new(&folds, smooth, &facets, &is_between), checkpoint)?;
     let mut seams = Seams::none(topology);
     for (c, o) in interior_edges(topology) {
         let (one, other) = (c.face(), o.face());
@@ -266,6 +269,32 @@ mod tests {
         assert_eq!(hard(&sheet(6, 5)), Some(1));
         assert_eq!(hard(&torus(48, 32)), None);
         assert_eq!(hard(&octahedron()), None, "faces without a neighbour in their plane");
+    }
+
+    /// An upright prism over a polygon, with both ends as the triangles given.
+    fn prism(outline: &[[f64; 2]], ends: &[[usize; 3]], height: f64) -> TriMesh {
+        let n = outline.len();
+        let points = (0..2 * n).map(|i| Point3::new(outline[i % n][0], outline[i % n][1], height * (i / n) as f64));
+        let mut faces: Vec<[usize; 3]> =
+            ends.iter().flat_map(|&[a, b, c]| [[c, b, a], [a + n, b + n, c + n]]).collect();
+        for i in 0..n {
+            let j = (i + 1) % n;
+            faces.extend([[i, j, j + n], [i, j + n, i + n]]);
+        }
+        TriMesh::new(points.collect(), &faces).expect("indices in range")
+    }
+
+    #[test]
+    fn the_sides_of_a_notch_that_bar_each_other_the_way_are_joined_in_a_row() {
+        // A U: the sides inside would touch if each hung on an end of the prism.
+        let outline = [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [2.0, 3.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
+        let ends = [[0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4], [0, 5, 6], [0, 6, 7]];
+        let thin = prism(&outline, &ends, 0.2);
+        assert_eq!(hard(&thin), Some(1));
+        let topology = topology(&thin);
+        let found = hard_surface(&thin, &topology, std::f64::consts::FRAC_PI_6, |_| false).expect("a hard surface");
+        // Of 33.6 in all: twice the outline of 16, and eight uprights of 0.2.
+        assert!(found.seams.length(&thin, &topology) < 22.0, "{}", found.seams.length(&thin, &topology));
     }
 
     #[test]

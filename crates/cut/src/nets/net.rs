@@ -1,5 +1,7 @@
 //! Facets unfolded into the plane, joined edge by edge as long as nothing meets.
 
+pub(super) mod rejoin;
+
 use super::facets::{Facets, Fold};
 use abf_mesh::{CornerId, FaceId, Point2, Topology, Vector2};
 use std::collections::HashMap;
@@ -31,12 +33,12 @@ pub(super) struct Nets<'t> {
     net_of: Vec<u32>,
     /// Whether the edge that a corner faces is inside a net.
     welded: Vec<bool>,
-    /// Edges that cannot be joined, by their lower corner: a net only grows, so they never can.
+    /// Edges that cannot be joined: they never can while their nets only grow.
     dead: Vec<bool>,
     nets: Vec<Net>,
 }
 
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Net {
     faces: Vec<FaceId>,
     /// Corners that face an edge of the boundary; some of them inside by now.

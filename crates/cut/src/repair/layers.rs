@@ -1,6 +1,6 @@
 //! Faces with the same three vertices, given vertices of their own.
 
-use super::{Found, RepairError, Repaired, repaired};
+use super::{Found, RepairError, Repaired, duplicates, repaired};
 use abf_control::{Cancelled, Checkpoint, UnknownName};
 use abf_mesh::{FaceId, TriMesh, VertexId};
 use std::collections::HashMap;
@@ -80,6 +80,48 @@ pub fn repair_asking(
     Ok(repaired)
 }
 
+/// Faces at the place of an earlier one, whichever way around, with the vertices of that: the sides of a leaf that have vertices of
+/// their own. `None` where there are none.
+#[must_use]
+pub fn paired_by_place(mesh: &TriMesh) -> Option<TriMesh> {
+    let first_at = first_at_place(mesh);
+    if (0..).zip(&first_at).all(|(v, first): (usize, _)| *first == VertexId::new(v)) {
+        return None;
+    }
+    let all = mesh.faces();
+    let places: Vec<[VertexId; 3]> = all.iter().map(|face| face.map(|v| first_at[v.index()])).collect();
+    let mut faces: Vec<[usize; 3]> = all.iter().map(|face| face.map(VertexId::index)).collect();
+    let mut is_any = false;
+    let proper: Vec<FaceId> = (0..all.len()).map(FaceId::new).filter(|f| is_proper(&places[f.index()])).collect();
+    for (f, first) in duplicates(&places, &proper) {
+        let theirs = all[first.index()];
+        let at = |v: VertexId| theirs.into_iter().find(|w| first_at[w.index()] == first_at[v.index()]).unwrap_or(v);
+        let paired = all[f.index()].map(|v| at(v).index());
+        is_any |= paired != faces[f.index()];
+        faces[f.index()] = paired;
+    }
+    if is_any { TriMesh::new(mesh.positions().to_vec(), &faces).ok() } else { None }
+}
+
+/// For every vertex the lowest one in its place.
+#[must_use]
+pub fn first_at_place(mesh: &TriMesh) -> Vec<VertexId> {
+    // Zeros of both signs are one place.
+    let place = |v: usize| mesh.positions()[v].coords.map(|x| (x + 0.0).to_bits());
+    let mut order: Vec<([u64; 3], VertexId)> =
+        (0..mesh.vertex_count()).map(|v| (place(v).into(), VertexId::new(v))).collect();
+    order.sort_unstable();
+    let mut first = vec![VertexId::new(0); mesh.vertex_count()];
+    for same in order.chunk_by(|a, b| a.0 == b.0) {
+        same.iter().for_each(|&(_, v)| first[v.index()] = same[0].1);
+    }
+    first
+}
+
+fn is_proper([a, b, c]: &[VertexId; 3]) -> bool {
+    a != b && b != c && c != a
+}
+
 /// A mesh in which no two faces have the same vertices.
 struct Layered {
     /// The vertices of the input, then copies.
@@ -122,7 +164,7 @@ fn layers(all: &[[VertexId; 3]], checkpoint: &mut Checkpoint<'_>) -> Result<Vec<
     let mut keys: Vec<([VertexId; 3], usize)> = all
         .iter()
         .enumerate()
-        .filter(|(_, [a, b, c])| a != b && b != c && c != a)
+        .filter(|(_, face)| is_proper(face))
         .map(|(f, face)| {
             let mut key = *face;
             key.sort_unstable();
@@ -177,6 +219,24 @@ mod tests {
         let repaired = repair_with(&both, DoubleSided::Shared).expect("a mesh");
         assert_eq!(repaired, repair(&both).expect("a mesh"));
         assert_eq!(repaired.report.duplicate_faces.count, 12);
+    }
+
+    #[test]
+    fn sides_with_vertices_of_their_own_are_paired_by_their_places() {
+        let both = with_back();
+        // The back with vertices of its own.
+        let (n, front) = (both.vertex_count(), both.face_count() / 2);
+        let positions = [both.positions(), both.positions()].concat();
+        let faces: Vec<[usize; 3]> = (0..both.face_count())
+            .map(|f| both.faces()[f].map(|v| if f < front { v.index() } else { n + v.index() }))
+            .collect();
+        let apart = TriMesh::new(positions, &faces).expect("indices in range");
+        assert_eq!(repair_with(&apart, DoubleSided::Shared).expect("a mesh").report.duplicate_faces.count, 0);
+        let paired = paired_by_place(&apart).expect("pairs");
+        assert_eq!(paired.faces(), both.faces());
+        assert_eq!(repair_with(&paired, DoubleSided::Shared).expect("a mesh").report.duplicate_faces.count, 12);
+        assert_eq!(paired_by_place(&both), None);
+        assert_eq!(paired_by_place(&sheet(2, 2)), None);
     }
 
     #[test]

@@ -16,7 +16,7 @@ mod report;
 
 use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::{CornerId, DisjointSets, FaceId, GeometryError, Topology, TopologyError, TriMesh, VertexId};
-pub use layers::{DoubleSided, repair_asking, repair_with};
+pub use layers::{DoubleSided, first_at_place, paired_by_place, repair_asking, repair_with};
 use pairs::Pairs;
 pub use report::{Found, RepairReport};
 

@@ -1,6 +1,7 @@
 //! What lies around a spot where the boundary meets itself.
 
 use super::outline::{Outline, Segment};
+use super::shallow::distance;
 use crate::direction;
 use crate::sheet::{Fan, Sheet};
 use abf_mesh::predicates::orient2d;
@@ -42,8 +43,8 @@ impl<'a> Meeting<'a> {
         Self { sheet, centre, sectors }
     }
 
-    /// Two faces that cover the same sector, if any do.
-    pub(super) fn overlap(&self) -> Option<[Option<FaceId>; 2]> {
+    /// Two faces that cover the same sector, if any do, and how deep sectors lie over each other here.
+    pub(super) fn overlap(&self) -> Option<([Option<FaceId>; 2], f64)> {
         let directions = self.directions();
         let rank = |p: Point2<f64>| self.find(&directions, p).unwrap_or_default();
         // How many sectors begin at each direction, less those that end there.
@@ -67,7 +68,36 @@ impl<'a> Meeting<'a> {
         };
         let both = ranks.iter().zip(&self.sectors).filter(|(rank, _)| covers(rank)).map(|(_, (_, cover))| *cover);
         let mut faces = both.map(|cover| self.face_at(cover, directions[at]));
-        Some([faces.next().flatten(), faces.next().flatten()])
+        let faces = [faces.next().flatten(), faces.next().flatten()];
+        Some((faces, self.depth(&ranks, directions.len())))
+    }
+
+    /// How deep sectors lie over each other, at most: how far the end of the one side from the other side is where a sector
+    /// begins inside of another and ends after that; infinite where it ends before. `ranks` are their directions of `count`.
+    fn depth(&self, ranks: &[[usize; 2]], count: usize) -> f64 {
+        /// Where more sectors meet, they are not compared.
+        const MOST: usize = 16;
+        if ranks.len() > MOST {
+            return f64::INFINITY;
+        }
+        let mut deepest = 0.0_f64;
+        for (i, &[begin, end]) in ranks.iter().enumerate() {
+            // From here on, counter-clockwise; a whole turn for the direction itself.
+            let after = |rank: usize| (rank + count - begin - 1) % count + 1;
+            for (j, &[other_begin, other_end]) in ranks.iter().enumerate().filter(|&(j, _)| j != i) {
+                // The other one holds where this one begins.
+                let is_inside =
+                    after(other_end) < after(other_begin) || other_begin == begin || other_begin == other_end;
+                if !is_inside {
+                    continue;
+                }
+                let ([from, _], [_, to]) = (self.sectors[i].0, self.sectors[j].0);
+                let is_cut_off = after(other_end) <= after(end);
+                let side = distance(to, self.centre, from).min(distance(from, self.centre, to));
+                deepest = deepest.max(if is_cut_off { side } else { f64::INFINITY });
+            }
+        }
+        deepest
     }
 
     /// The directions in which sectors begin or end, each once, counter-clockwise.

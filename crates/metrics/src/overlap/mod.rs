@@ -12,8 +12,8 @@
 //!    of that the piece itself does not wind, so the number of triangles is the winding number of all
 //!    other pieces, and those that touch the point are known.
 //!
-//! Crossings within the rounding of the coordinates are sorted out after that ([`shallow`]): they are touches, unless the
-//! boundary lies deeper under a face near them.
+//! Crossings, and sectors over each other, within the rounding of the coordinates are sorted out after that ([`shallow`]): they
+//! are touches, unless the boundary lies deeper under a face near them.
 //!
 //! Only signs of areas and comparisons of coordinates decide. The boundary edges are found pairwise by a
 //! hierarchy of boxes: `O(b log b)` for b boundary edges that are short against the whole.
@@ -89,10 +89,10 @@ impl Overlaps {
         }
         let tree = BoxTree::new((0..outline.segments.len() as u32).collect(), |s| outline.extent(s));
         checkpoint()?;
-        let (passes, shallow) = found.cross(&outline, &tree, &mut pieces, listed, rounding, checkpoint)?;
+        let (passes, mut shallow) = found.cross(&outline, &tree, &mut pieces, listed, &rounding, checkpoint)?;
         checkpoint()?;
         let fans = fans_at_spots(sheet, &outline, fans);
-        found.meet(sheet, &outline, (&fans, twice), &passes, listed);
+        found.meet(sheet, &outline, (&fans, twice), &passes, listed, (&rounding, &mut shallow));
         if found.are_least {
             return Ok(found);
         }
@@ -112,7 +112,7 @@ impl Overlaps {
         tree: &BoxTree,
         pieces: &mut DisjointSets,
         listed: usize,
-        rounding: impl Fn(FaceId) -> f64,
+        rounding: &dyn Fn(FaceId) -> f64,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Crossings, Cancelled> {
         let mut passes = Vec::new();
@@ -141,7 +141,7 @@ impl Overlaps {
                 let limit = faces.iter().flatten().map(|&face| rounding(face)).fold(0.0, f64::max);
                 let depth = shallow::depth(outline, &a, &b);
                 if depth <= limit {
-                    shallow.push(Shallow { depth, limit, segment: i, faces });
+                    shallow.push(Shallow { depth, limit, segment: i, faces, is_meeting: false });
                     return Ok(());
                 }
                 self.crossings += 1;
@@ -181,6 +181,7 @@ impl Overlaps {
         (fans, twice): (&[(u32, Fan)], &[Fan]),
         passes: &[(u32, u32)],
         listed: usize,
+        (rounding, shallow): (&dyn Fn(FaceId) -> f64, &mut Vec<Shallow>),
     ) {
         let mut over = twice.to_vec();
         over.sort_unstable_by_key(|fan| fan.first);
@@ -203,9 +204,22 @@ impl Overlaps {
             let passing: Vec<&Segment> = passing.iter().map(|&(_, s)| &outline.segments[s as usize]).collect();
             match Meeting::new(sheet, outline, spot, &fans, &passing).overlap() {
                 None => self.touches += 1,
-                Some(faces) => {
-                    self.meetings += 1;
-                    self.name(faces, listed);
+                Some((faces, depth)) => {
+                    let limit = faces.iter().flatten().map(|&face| rounding(face)).fold(0.0, f64::max);
+                    let at = outline.segments.partition_point(|s| s.low < spot);
+                    let starts_here = outline.segments.get(at).is_some_and(|s| s.low == spot);
+                    let segment =
+                        if starts_here { Some(at) } else { outline.segments.iter().position(|s| s.high == spot) };
+                    match segment.filter(|_| depth <= limit) {
+                        Some(segment) => {
+                            let segment = segment as u32;
+                            shallow.push(Shallow { depth, limit, segment, faces, is_meeting: true });
+                        }
+                        None => {
+                            self.meetings += 1;
+                            self.name(faces, listed);
+                        }
+                    }
                 }
             }
         }

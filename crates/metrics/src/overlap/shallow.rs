@@ -1,4 +1,4 @@
-//! Crossings no deeper than the rounding of coordinates: sides that meet, and were rounded.
+//! Crossings, and sectors over each other, no deeper than the rounding of coordinates: sides that meet, and were rounded.
 
 use super::box_tree::{BoxTree, Extent};
 use super::outline::{Outline, Segment};
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// How far a test point is from its corner, as a part of the way to the centroid of the face.
 const INWARDS: f64 = 1.0 / 1024.0;
 
-/// A crossing at which an end of one segment is within rounding of the other.
+/// A crossing at which an end of one segment is within rounding of the other; or two sectors at a spot, as deep over each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shallow {
     /// How far the nearest end is from the other segment.
@@ -22,6 +22,8 @@ pub(super) struct Shallow {
     pub(super) segment: u32,
     /// A face at each of them.
     pub(super) faces: [Option<FaceId>; 2],
+    /// Whether it is at the end of a segment: a meeting.
+    pub(super) is_meeting: bool,
 }
 
 /// How deep two segments cross: the least distance of an end of one from the other.
@@ -35,7 +37,7 @@ pub(super) fn depth(outline: &Outline, a: &Segment, b: &Segment) -> f64 {
 }
 
 /// The distance of a point from a segment; that from its line to the accuracy of the exact sign.
-fn distance(p: Point2<f64>, from: Point2<f64>, to: Point2<f64>) -> f64 {
+pub(super) fn distance(p: Point2<f64>, from: Point2<f64>, to: Point2<f64>) -> f64 {
     let along = to - from;
     let foot = (p - from).dot(&along);
     if foot <= 0.0 || foot >= along.norm_squared() {
@@ -74,7 +76,7 @@ impl Overlaps {
         for crossing in shallow {
             let root = pieces.find(outline.segments[crossing.segment as usize].low as usize);
             if deep.contains(&root) {
-                self.crossings += 1;
+                *(if crossing.is_meeting { &mut self.meetings } else { &mut self.crossings }) += 1;
                 self.name(crossing.faces, listed);
             } else {
                 self.touches += 1;

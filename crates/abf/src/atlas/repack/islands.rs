@@ -40,8 +40,7 @@ impl<'a> Islands<'a> {
     ) -> Result<Self, AtlasError> {
         let of_face = charts(mesh, uv)?;
         // What is shared is looked up in the UVs, which are known to be those of the mesh by now.
-        let is_shared =
-            repaired.map_or_else(|| vec![false; mesh.face_count()], |(joined, repaired)| sharing(joined, uv, repaired));
+        let is_shared = repaired.map_or_else(|| vec![false; mesh.face_count()], |(joined, _)| sharing(joined, uv));
         let mut turned = repaired.map(|(_, repaired)| repaired.turned_faces()).unwrap_or_default();
         turned.retain(|f| !is_shared[f.index()]);
         let count = of_face.iter().max().map_or(0, |last| last + 1);

@@ -20,6 +20,9 @@ pub(super) fn lines(solver: &str, atlas: &Atlas) -> Vec<(&'static str, String)> 
     lines.push(("seams", seams_line(atlas)));
     lines.push(place_line(atlas));
     lines.extend(narrow_line(&atlas.narrow, ["chart", "charts"]).map(|line| ("narrow", line)));
+    if atlas.under_a_texel > 0 {
+        lines.push(("thin", format!("{} less than a texel wide", count(atlas.under_a_texel, "chart", "charts"))));
+    }
     lines
 }
 
