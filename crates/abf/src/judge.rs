@@ -154,8 +154,7 @@ mod tests {
         for weld in [Weld::Auto, Weld::Off] {
             let unwrap = Unwrap { double_sided: DoubleSided::Shared, weld, ..Unwrap::default() };
             let unwrapped = unwrap.run(&mesh, &SurfaceHints::default(), &mut Silent).expect("charts");
-            let stored: (crate::Stored, Precision) = (|p| p, Precision::Double);
-            let packed = Atlas::default().pack(&mesh, &unwrapped, None, stored).expect("an atlas");
+            let packed = Atlas::default().pack(&mesh, &unwrapped, None, crate::Stored::default()).expect("an atlas");
             let settings = JudgeSettings { weld, ..JudgeSettings::default() };
             let of_file = judge(&mesh, &packed.uv, &settings).expect("a judgement");
             assert_eq!((unwrapped.shared, of_file.shared, of_file.metrics.triangles), (32, 32, 32));

@@ -304,7 +304,7 @@ fn one_chart_that_a_solver_cannot_do_is_parted_and_no_file_is_lost() {
     let stop = StopCriteria { max_iterations: 1, ..StopCriteria::default() };
     let solver = "abf-newton".parse().expect("a solver");
     let pipeline = Pipeline { solver, stop, ..Pipeline::default() };
-    let mesh = beside(&Shape::Hemisphere.mesh(120), &cubes(&[[0, 0, 0]]));
+    let mesh = beside(&Shape::Hemisphere.mesh(900), &cubes(&[[0, 0, 0]]));
     let unwrapped = unwrap(&Unwrap { pipeline, ..Unwrap::default() }, &mesh);
     assert!(unwrapped.charts.len() > 2);
 }

@@ -109,7 +109,7 @@ fn our_cuts_of_closed_models_stand_beside_the_papers() {
     );
     for (name, paper, paper_stretch) in PUBLISHED {
         let mesh = read(&folder, &format!("raw/{name}.obj"));
-        for max_stretch in [1.2, 1.15, 1.1] {
+        for max_stretch in [1.2, 1.15, 1.05] {
             let start = Instant::now();
             let unwrapped = unwrap(&Unwrap { max_stretch, ..Unwrap::default() }, &mesh);
             let seconds = start.elapsed().as_secs_f64();
@@ -125,8 +125,9 @@ fn our_cuts_of_closed_models_stand_beside_the_papers() {
                 paper_stretch.map_or("-".to_owned(), |l2| l2.to_string())
             );
             assert!(unwrapped.is_certified(), "{name}");
-            if max_stretch == Unwrap::default().max_stretch {
-                assert!(metrics.stretch_l2 <= 1.2, "{name}: L2 {}", metrics.stretch_l2);
+            assert!(metrics.stretch_l2 <= max_stretch, "{name}: L2 {}", metrics.stretch_l2);
+            // Where the aim is missed by little, one more cut brings F far below: only a tight aim tells.
+            if max_stretch == 1.05 {
                 assert!(metrics.f <= paper, "{name}: F {} above the paper's {paper}", metrics.f);
             }
         }

@@ -20,8 +20,9 @@ impl InOrder {
         Self { chart, first }
     }
 
-    /// Vertices ascend along the longest side of the bounding box, then along the others. Of vertices in one place their
-    /// neighbours decide. Faces begin at their lowest vertex, and ascend.
+    /// Vertices ascend along the second side of the bounding box, then along the longest and the shortest: of such orders the one
+    /// that led to the fewest charts. Of vertices in one place their neighbours decide. Faces begin at their lowest vertex, and
+    /// ascend.
     ///
     /// # Errors
     /// Never, for a component: its topology is built again.
@@ -64,7 +65,8 @@ impl InOrder {
 }
 
 fn vertices_in_order(mesh: &TriMesh, topology: &Topology) -> Vec<VertexId> {
-    let axes = longest_first(mesh.positions());
+    let [longest, second, shortest] = longest_first(mesh.positions());
+    let axes = [second, longest, shortest];
     // Zeros of both signs are one place.
     let place = |v: VertexId| axes.map(|axis| mesh.positions()[v.index()][axis] + 0.0);
     let mut order: Vec<([f64; 3], VertexId)> = topology.vertices().map(|v| (place(v), v)).collect();

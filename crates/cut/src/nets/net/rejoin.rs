@@ -7,13 +7,16 @@
 use super::super::facets::{Facets, Fold};
 use super::{Net, Nets};
 use abf_control::{Cancelled, Checkpoint};
-use abf_mesh::{CornerId, FaceId, Point2};
+use abf_mesh::{CornerId, FaceId, Point2, bounds};
 
 /// Nets of more facets are not left over.
 const MOST_FACETS: usize = 8;
 
 /// A net less is worth this part of the border of what was left over, as more seam.
 const WORTH: f64 = 0.25;
+
+/// A net that is longer than so many sides of the square of its area is not made: it would waste a page.
+const LONGEST: f64 = 3.0;
 
 /// So many times all faces are looked at, at most.
 const EFFORT: usize = 64;
@@ -140,7 +143,8 @@ impl Nets<'_> {
             for i in around.iter().map(|&i| i as usize) {
                 let sides = [creases.folds[i].corner, creases.folds[i].opposite].map(|c| self.net_of[c.face().index()]);
                 if sides[0] != sides[1] && sides.contains(&(neighbour as u32)) && self.join(&creases.folds[i]) {
-                    if before - self.joined_length(&around, creases) <= WORTH * border {
+                    let is_cheap = before - self.joined_length(&around, creases) <= WORTH * border;
+                    if is_cheap && self.is_compact(self.net_of[fold.corner.face().index()] as usize) {
                         return true;
                     }
                     break;
@@ -165,6 +169,18 @@ impl Nets<'_> {
             }
         }
         is_seen.len() == faces.iter().filter(|f| is_left(**f)).count()
+    }
+
+    /// Whether a net is not too long for its area.
+    fn is_compact(&self, net: usize) -> bool {
+        let faces = &self.nets[net].faces;
+        let place = |c: CornerId| self.layout[c.index()];
+        let Some((low, high)) = bounds(faces.iter().flat_map(|f| f.corners()).map(place)) else { return true };
+        let area = |f: &FaceId| {
+            let [p, q, r] = f.corners().map(place);
+            0.5 * (q - p).perp(&(r - p)).abs()
+        };
+        (high - low).norm() <= LONGEST * faces.iter().map(area).sum::<f64>().sqrt()
     }
 
     /// The length of the border of a net.
