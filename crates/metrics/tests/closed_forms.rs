@@ -203,10 +203,10 @@ fn two_corners(from: [f64; 2], to: [f64; 2]) -> Metrics {
 #[test]
 fn sectors_over_each_other_within_rounding_are_touches_and_deeper_ones_are_overlaps() {
     let unit = 8.0 * f64::EPSILON;
-    let beside = two_corners([0.0, -8.0], [8.0, 0.0]);
+    let beside = two_corners([0.0, -8.0], [8.0, 0.0]).certificate;
     assert_eq!((beside.meetings, beside.touches, beside.touch_depth), (0, 2, 0.0));
     // Its last side has sunk into the other triangle by one unit.
-    let touching = two_corners([0.0, -8.0], [7.0, unit]);
+    let touching = two_corners([0.0, -8.0], [7.0, unit]).certificate;
     assert_eq!((touching.meetings, touching.injective()), (0, true), "{touching:?}");
     assert!(touching.touch_depth > 0.0 && touching.touch_depth <= 4.0 * unit);
     assert!(!two_corners([0.0, -8.0], [7.0, 64.0 * unit]).injective());
