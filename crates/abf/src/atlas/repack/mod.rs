@@ -142,7 +142,7 @@ impl Repack {
             let spoilt = judge.spoilt(before, &certificate)?;
             if spoilt.is_empty() {
                 let metrics = judge.metrics(&islands.judged.concat(), certificate, atlas.page)?;
-                let mut narrow = atlas.narrow_places(&pieces, texels_per_unit);
+                let mut narrow = atlas.narrow_places(&pieces, &vec![1.0; pieces.len()], texels_per_unit);
                 narrow.iter_mut().for_each(|place| place.chart = bundles[place.chart][0]);
                 return Ok(Repacked {
                     islands: islands.len(),
