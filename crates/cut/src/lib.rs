@@ -10,10 +10,10 @@
 //! 5. [`extend`] joins further vertices to the seam: those at which a flattening found the stretch too large;
 //! 6. [`split`] cuts along the seam, into [`Chart`]s.
 //!
-//! Beside that, [`simplify`] makes a coarser mesh to look for seams on, [`hard_surface`] finds the nets of planar and developable parts, and [`two_parts`] takes apart what nothing
+//! Beside that, [`ConformalScale`] predicts where a map will shrink the surface, [`simplify`] makes a coarser mesh to look for seams on, [`hard_surface`] finds the nets of planar and developable parts, and [`two_parts`] takes apart what nothing
 //! else helps.
 //!
-//! Nothing here solves for an angle or knows what stretch is. Seams prefer edges that are short, creased and hidden
+//! Nothing here solves for an angle. Seams prefer edges that are short, creased and hidden
 //! ([`EdgeCosts`]); every search is Dijkstra's (1959), so all of it takes time `O(n log n)`.
 //!
 //! | term | meaning |
@@ -25,6 +25,7 @@
 
 mod borders;
 mod chart;
+mod conformal;
 mod costs;
 mod extend;
 mod holes;
@@ -41,6 +42,7 @@ mod weld;
 
 pub use borders::{label_borders, uv_borders};
 pub use chart::{Chart, split, split_asking};
+pub use conformal::ConformalScale;
 pub use costs::{CostSettings, EdgeCosts};
 pub use extend::{distances, extend};
 pub use holes::{Filled, HoleFilling, fill, loop_length, outer_loop};

@@ -38,18 +38,43 @@ impl Pipeline {
     /// # Errors
     /// [`FlattenError`] when there is no usable result at all.
     pub fn run(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
-        self.run_on(mesh, Shape::Disk, observer)
+        self.run_on(mesh, Shape::Disk, 1.0, observer)
     }
 
-    /// Flattens a component without handles as if its holes were not there: nothing sees to it that they close.
+    /// Flattens a disk for someone to whom an L² stretch of `enough` is as good as 1: where a mesh could be solved in two ways,
+    /// the second is tried only if the first misses that.
     ///
     /// # Errors
     /// [`FlattenError`] when there is no usable result at all.
-    pub(crate) fn run_unclosed(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
-        self.run_on(mesh, Shape::Any, observer)
+    pub(crate) fn run_within(
+        &self,
+        mesh: &TriMesh,
+        enough: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<Flattening, FlattenError> {
+        self.run_on(mesh, Shape::Disk, enough, observer)
     }
 
-    fn run_on(&self, mesh: &TriMesh, shape: Shape, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+    /// The same for a component without handles as if its holes were not there: nothing sees to it that they close.
+    ///
+    /// # Errors
+    /// [`FlattenError`] when there is no usable result at all.
+    pub(crate) fn run_unclosed(
+        &self,
+        mesh: &TriMesh,
+        enough: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<Flattening, FlattenError> {
+        self.run_on(mesh, Shape::Any, enough, observer)
+    }
+
+    fn run_on(
+        &self,
+        mesh: &TriMesh,
+        shape: Shape,
+        enough: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<Flattening, FlattenError> {
         self.check()?;
         if matches!(shape, Shape::Any) && !self.boundary.is_free() {
             return Err(ProblemError::from(BoundaryError::Holes).into());
@@ -91,7 +116,7 @@ impl Pipeline {
             return flat;
         }
         let bounded = pose(GuessSettings { keep_thin: false, ..self.initial_guess }, angles)?;
-        thin::better(mesh, flat, observer, |own, observer| {
+        thin::better(mesh, enough, flat, observer, |own, observer| {
             // A rung that goes on to the optimum comes to the same one from either start.
             let is_optimal = own.is_some_and(|kind| matches!(kind, SolverKind::Barrier | SolverKind::Descent));
             let solver = match &self.solver {

@@ -14,10 +14,11 @@ const ISOMETRIC: f64 = 1e-9;
 /// Stretches this near to each other, relative, are the same: the weighted F decides then.
 const SAME_STRETCH: f64 = 1e-6;
 
-/// The better of a result and another, which is made only where the first leaves something to gain; `bounded` is told
-/// whose result the first is.
+/// The better of a result and another, which is made only where the first leaves something to gain: a stretch above
+/// `enough`. `bounded` is told whose result the first is.
 pub(crate) fn better(
     mesh: &TriMesh,
+    enough: f64,
     own: Result<Flattening, FlattenError>,
     observer: &mut dyn Observer,
     bounded: impl FnOnce(Option<SolverKind>, &mut dyn Observer) -> Result<Flattening, FlattenError>,
@@ -30,8 +31,8 @@ pub(crate) fn better(
     ask(observer, Event::Working)?;
     let Ok(with_own) = own.metrics(mesh) else { return Ok(own) };
     ask(observer, Event::Working)?;
-    let is_exact = own.is_certified() && with_own.stretch_l2 <= 1.0 + ISOMETRIC;
-    if is_exact || own.termination == Termination::Cancelled {
+    let is_enough = own.is_certified() && with_own.stretch_l2 <= enough.max(1.0 + ISOMETRIC);
+    if is_enough || own.termination == Termination::Cancelled {
         return Ok(own);
     }
     let bounded = match bounded(Some(own.solver), observer) {

@@ -5,6 +5,7 @@ mod component;
 mod error;
 mod finish;
 mod flat;
+mod foresight;
 mod hints;
 mod long;
 mod order;

@@ -2,7 +2,9 @@
 
 use super::component::{Attempt, Component, parts_of_faces};
 use super::finish::{Finished, finish};
+use super::foresight::{Foresight, Progress};
 use super::overlap::take_apart;
+use super::scout::Scouted;
 use super::stretch::Stretch;
 use super::surface::Surface;
 use super::{HoleRule, Unwrap};
@@ -21,12 +23,6 @@ use std::num::NonZeroUsize;
 /// holes open: half a sphere has 2π.
 const MOST_CURVED: f64 = 1.5 * PI;
 
-/// So many rounds in a row without [`PROGRESS`] end the cutting of a piece.
-const PATIENCE: usize = 8;
-
-/// Progress brings what the stretch is above 1 below this part of the least so far.
-const PROGRESS: f64 = 0.9;
-
 impl Component<'_, '_> {
     /// Flattens a piece, or finds that it has to be parted.
     pub(super) fn attempt(&self, piece: &Chart) -> Result<Attempt, FlattenError> {
@@ -36,7 +32,10 @@ impl Component<'_, '_> {
             HoleRule::Auto => is_planar_with_holes(&piece.topology) && total_curvature(piece).abs() <= MOST_CURVED,
             HoleRule::Fill(_) | HoleRule::Cut => false,
         };
-        let as_it_is = if is_disk || may_stay_open { self.as_it_is(piece, is_disk)? } else { None };
+        let mut foresight = Foresight::new(self.settings.max_stretch);
+        let may_do_as_it_is = (is_disk || may_stay_open)
+            && !foresight.is_hopeless_as_it_is(piece, &mut || self.go_on())?;
+        let as_it_is = if may_do_as_it_is { self.as_it_is(piece, is_disk)? } else { None };
         if let Some(attempt) = as_it_is {
             return Ok(attempt);
         }
@@ -48,19 +47,22 @@ impl Component<'_, '_> {
         };
         let may_be_cut = self.settings.holes == HoleRule::Auto && has_holes;
         let is_little_curved = may_be_cut && total_curvature(piece).abs() <= MOST_CURVED;
-        let with_holes_cut = if is_little_curved { self.with_holes_cut(piece)? } else { None };
+        let with_holes_cut = if is_little_curved { self.with_holes_cut(piece, &mut foresight)? } else { None };
         if let Some(attempt) = with_holes_cut {
             return Ok(attempt);
         }
-        self.cut_until_it_fits(piece, filling.filter(|_| has_holes))
+        self.cut_until_it_fits(piece, filling.filter(|_| has_holes), &mut foresight)
     }
 
     /// The first rung alone: enough for what is flat or nearly so. `None` where more has to be done.
     fn as_it_is(&self, piece: &Chart, is_disk: bool) -> Result<Option<Attempt>, FlattenError> {
-        let pipeline = self.pipeline_of_first_rung();
+        let (pipeline, enough) = (self.pipeline_of_first_rung(), self.settings.max_stretch);
         let mut ear = self.ear();
-        let flat =
-            if is_disk { pipeline.run(&piece.mesh, &mut ear) } else { pipeline.run_unclosed(&piece.mesh, &mut ear) };
+        let flat = if is_disk {
+            pipeline.run_within(&piece.mesh, enough, &mut ear)
+        } else {
+            pipeline.run_unclosed(&piece.mesh, enough, &mut ear)
+        };
         let whole = match flat {
             Ok(flat) => self.of_piece(piece, finish(piece, piece.mesh.face_count(), flat, &mut || self.go_on())?),
             Err(error) if piece.mesh.face_count() == 1 => return Err(error),
@@ -72,11 +74,14 @@ impl Component<'_, '_> {
     }
 
     /// The same with the holes joined by seams: enough for open tubes.
-    fn with_holes_cut(&self, piece: &Chart) -> Result<Option<Attempt>, FlattenError> {
+    fn with_holes_cut(&self, piece: &Chart, foresight: &mut Foresight) -> Result<Option<Attempt>, FlattenError> {
         let surface = self.surface(piece, None)?;
         self.go_on()?;
+        if foresight.stretch(&surface, &mut || self.go_on())?.is_some() && foresight.is_hopeless() {
+            return Ok(None);
+        }
         let chart = surface.chart()?;
-        let Some(flat) = self.first_rung(&chart)? else { return Ok(None) };
+        let Some(flat) = self.first_rung(&chart, true)? else { return Ok(None) };
         let whole = self.of_piece(piece, finish(&chart, surface.real, flat, &mut || self.go_on())?);
         let whole = Finished { rounds: 1, ..whole };
         self.judged(piece, whole)
@@ -129,27 +134,36 @@ impl Component<'_, '_> {
         Surface::new(piece, filling, &|mesh, topology, real| self.costs(piece, mesh, topology, real))
     }
 
-    /// Flattens quickly, joins the places of largest stretch to the seam, and again, until a map is as it should be.
-    fn cut_until_it_fits(&self, piece: &Chart, filling: Option<HoleFilling>) -> Result<Attempt, FlattenError> {
+    /// Joins the places of largest stretch to the seam until a map is as it should be: where the stretch can be foreseen, a
+    /// map is made only where it may be the last one.
+    fn cut_until_it_fits(
+        &self,
+        piece: &Chart,
+        filling: Option<HoleFilling>,
+        foresight: &mut Foresight,
+    ) -> Result<Attempt, FlattenError> {
         self.go_on()?;
         let mut surface = self.surface(piece, filling)?;
-        self.go_on()?;
-        let costs = |mesh: &TriMesh, topology: &Topology, real: usize| self.costs(piece, mesh, topology, real);
-        let scouted = self.scout(piece, filling)?;
-        for peaks in &scouted {
-            self.go_on()?;
-            extend(&surface.topology, &surface.costs, &mut surface.seams, peaks);
-            if let Some(filling) = filling {
-                surface.release_caps(piece, filling, &costs)?;
-            }
-        }
         let mut progress = Progress::default();
         let mut last: Option<(Chart, UvMap)> = None;
-        for round in 1 + scouted.len().. {
+        let mut round = 1;
+        loop {
+            self.go_on()?;
+            let scouted = self.scout(piece, filling, &mut surface, foresight, round)?;
             if let Some(end) = self.interruption() {
                 let last = last.and_then(|(chart, uv)| self.last_valid(piece, &surface, &chart, &uv, end));
                 return Ok(Attempt::Interrupted(end, last.map(Box::new)));
             }
+            let (is_foreseen, is_stalled) = match scouted {
+                Scouted::Hopeless => return Ok(Attempt::Missed),
+                // Maps have missed the aim with less than that.
+                Scouted::Stalled(_) if last.is_some() => return Ok(Attempt::Missed),
+                Scouted::Promising(cuts) | Scouted::Stalled(cuts) => {
+                    round += cuts;
+                    (true, matches!(scouted, Scouted::Stalled(_)))
+                }
+                Scouted::Unknown => (false, false),
+            };
             let mut ear = self.ear();
             ear.begin_round(round);
             ask(&mut ear, Event::Working)?;
@@ -157,9 +171,7 @@ impl Component<'_, '_> {
             self.go_on()?;
             let real = surface.real;
             let vertices = surface.mesh.vertex_count();
-            // Where the seams have just been scouted, the first rung is tried at once: it may be the last flattening.
-            let is_scouted = round == 1 + scouted.len() && !scouted.is_empty();
-            let first_rung = if is_scouted { self.first_rung(&chart)? } else { None };
+            let first_rung = if is_foreseen { self.first_rung(&chart, foresight.is_flat())? } else { None };
             let known = first_rung.map(|flat| (flat.uv.clone(), flat));
             let (quick, first_rung) = match known {
                 Some((uv, flat)) => (Ok(uv), Some(flat)),
@@ -177,7 +189,7 @@ impl Component<'_, '_> {
                 let is_enough = |flat: &Flattening| flat.is_certified();
                 let flat = match first_rung.filter(is_enough) {
                     Some(flat) => flat,
-                    None => self.pipeline().run(&chart.mesh, &mut ear)?,
+                    None => self.pipeline().run_within(&chart.mesh, self.settings.max_stretch, &mut ear)?,
                 };
                 let uv = flat.uv.clone();
                 let whole = self.finished(piece, &surface, &chart, flat, round)?;
@@ -191,22 +203,27 @@ impl Component<'_, '_> {
                 self.go_on()?;
             }
             let stretch = stretch.expect("measured above where it was not before");
+            if std::env::var("ABF_TRACE").is_ok() { eprintln!("missed {} faces {} actual {}", round, piece.mesh.face_count(), stretch.l2); }
             last = quick.ok().map(|uv| (chart, uv));
-            if progress.is_stalled(stretch.l2) || !self.cut_further(&mut surface, &stretch) {
+            foresight.learn(stretch.l2);
+            if is_stalled || progress.is_stalled(stretch.l2) || !self.cut_further(&mut surface, &stretch) {
                 return Ok(Attempt::Missed);
             }
+            round += 1;
             self.go_on()?;
             if let Some(filling) = filling {
-                surface
-                    .release_caps(piece, filling, &|mesh, topology, real| self.costs(piece, mesh, topology, real))?;
+                let costs = |mesh: &TriMesh, topology: &Topology, real: usize| self.costs(piece, mesh, topology, real);
+                surface.release_caps(piece, filling, &costs)?;
             }
         }
-        unreachable!("rounds end when nothing improves")
     }
 
-    /// A disk by the first rung; `None` where that finds nothing.
-    fn first_rung(&self, chart: &Chart) -> Result<Option<Flattening>, FlattenError> {
-        self.tried(self.pipeline_of_first_rung().run(&chart.mesh, &mut self.ear()))
+    /// A disk by the first rung; `None` where that finds nothing. Only what is flat may have something to gain from angles
+    /// below the bound; elsewhere they make many more iterations of it.
+    fn first_rung(&self, chart: &Chart, is_flat: bool) -> Result<Option<Flattening>, FlattenError> {
+        let (mut pipeline, enough) = (self.pipeline_of_first_rung(), self.settings.max_stretch);
+        pipeline.initial_guess.keep_thin &= is_flat;
+        self.tried(pipeline.run_within(&chart.mesh, enough, &mut self.ear()))
     }
 
     /// A chart whose seams are as long as they may be is kept whatever its stretch.
@@ -255,7 +272,7 @@ impl Component<'_, '_> {
     }
 
     /// Joins the places of largest stretch to the seam; `false` when there is nothing to join.
-    fn cut_further(&self, surface: &mut Surface, stretch: &Stretch) -> bool {
+    pub(super) fn cut_further(&self, surface: &mut Surface, stretch: &Stretch) -> bool {
         let peaks = self.peaks(surface, stretch);
         extend(&surface.topology, &surface.costs, &mut surface.seams, &peaks) > 0
     }
@@ -291,30 +308,6 @@ impl Component<'_, '_> {
         // What follows looks at the map.
         ask(observer, Event::StageStarted(Stage::Certificate))?;
         Ok(uv)
-    }
-}
-
-/// Whether rounds still improve the stretch.
-pub(super) struct Progress {
-    /// What the stretch is above 1, the least that counted as progress.
-    least: f64,
-    without: usize,
-}
-
-impl Default for Progress {
-    fn default() -> Self {
-        Self { least: f64::INFINITY, without: 0 }
-    }
-}
-
-impl Progress {
-    pub(super) fn is_stalled(&mut self, l2: f64) -> bool {
-        if l2 - 1.0 < PROGRESS * self.least {
-            *self = Self { least: l2 - 1.0, without: 0 };
-        } else {
-            self.without += 1;
-        }
-        self.without >= PATIENCE
     }
 }
 

@@ -1,80 +1,55 @@
-//! Seams of large pieces, looked for on a coarser mesh: the rounds of a thousand faces cost next to nothing.
+//! Seams that grow with the stretch that is foreseen: no map is made for them.
 
-use super::component::{Component, costs_with_caps};
-use super::piece::Progress;
-use super::stretch::Stretch;
+use super::component::Component;
+use super::foresight::{Foresight, Progress};
 use super::surface::Surface;
-use super::{SeamRule, Unwrap};
 use crate::FlattenError;
-use abf_cut::{Chart, HoleFilling, extend, simplify_asking};
-use abf_mesh::{FaceId, Topology, TriMesh, VertexId};
+use abf_control::{Event, ask};
+use abf_cut::{Chart, HoleFilling};
+use abf_mesh::{Topology, TriMesh};
 
-/// Pieces of fewer faces are not worth it: their seams come out with a larger F.
-const LARGE: usize = 30_000;
-
-/// The coarse mesh has at least so many faces …
-const LEAST: usize = 3000;
-
-/// … and this part of those there are.
-const PART: usize = 12;
+/// What came of scouting.
+pub(super) enum Scouted {
+    /// After so many cuts a map is worth trying.
+    Promising(usize),
+    /// More cuts no longer help, and there have been so many: only one map is worth trying.
+    Stalled(usize),
+    /// Nothing can be foreseen here: only maps will tell.
+    Unknown,
+    /// However it is cut, no map will meet the aim.
+    Hopeless,
+}
 
 impl Component<'_, '_> {
-    /// The places that the seam of a piece is to reach, round by round, as found on a coarser mesh: vertices of the piece.
-    /// None where the piece is small, or the coarse mesh is within the aim as it is.
+    /// Joins the places where the largest stretch is foreseen to the seam, and again, until a map is worth trying.
     pub(super) fn scout(
         &self,
         piece: &Chart,
         filling: Option<HoleFilling>,
-    ) -> Result<Vec<Vec<VertexId>>, FlattenError> {
-        let faces = piece.mesh.face_count();
-        if faces < LARGE || self.settings.seams == SeamRule::Keep || self.settings.max_seam.is_some() {
-            return Ok(Vec::new());
-        }
-        let faces = LEAST.max(faces / PART);
-        let coarse = simplify_asking(&piece.mesh, &piece.topology, faces, &mut || self.go_on())?;
-        let Some(coarse) = coarse else { return Ok(Vec::new()) };
-        let names = coarse.vertices;
-        let coarse = Chart {
-            faces: (0..coarse.mesh.face_count()).map(FaceId::new).collect(),
-            vertices: (0..coarse.mesh.vertex_count()).map(VertexId::new).collect(),
-            mesh: coarse.mesh,
-            topology: coarse.topology,
-        };
-        let mut rounds = Vec::new();
-        // What the coarse mesh cannot tell, the fine one will.
-        let _ = self.tried(self.scout_on(&coarse, filling, &mut rounds))?;
-        let in_piece = |peaks: Vec<VertexId>| peaks.into_iter().filter_map(|v| names.get(v.index()).copied()).collect();
-        Ok(rounds.into_iter().map(in_piece).collect())
-    }
-
-    fn scout_on(
-        &self,
-        coarse: &Chart,
-        filling: Option<HoleFilling>,
-        rounds: &mut Vec<Vec<VertexId>>,
-    ) -> Result<(), FlattenError> {
-        let Unwrap { max_stretch, costs, .. } = *self.settings;
-        // No edge of the coarse mesh is one of the file, so the hints forbid none.
-        let costs =
-            |mesh: &TriMesh, topology: &Topology, real: usize| costs_with_caps(mesh, topology, real, &costs, |_| false);
-        let mut surface = Surface::new(coarse, filling, &costs)?;
+        surface: &mut Surface,
+        foresight: &mut Foresight,
+        round: usize,
+    ) -> Result<Scouted, FlattenError> {
         let mut progress = Progress::default();
-        while self.interruption().is_none() {
-            let chart = surface.chart()?;
-            let uv = self.flatten_quickly(&chart, &mut self.ear())?;
-            let stretch = Stretch::measure(&chart, &uv, surface.real, surface.mesh.vertex_count())?;
-            if stretch.l2 <= max_stretch || progress.is_stalled(stretch.l2) {
+        let mut cuts = 0;
+        while self.interruption().is_none() && !self.is_long(surface) {
+            let mut ear = self.ear();
+            ear.begin_round(round + cuts);
+            ask(&mut ear, Event::Working)?;
+            let Some(stretch) = foresight.stretch(surface, &mut || self.go_on())? else { return Ok(Scouted::Unknown) };
+            if std::env::var("ABF_TRACE").is_ok() { eprintln!("  scout {} faces {} seam {} predicted {}", cuts, piece.mesh.face_count(), surface.seams.len(), stretch.l2); }
+            if stretch.l2 <= foresight.worth_trying {
                 break;
             }
-            let peaks = self.peaks(&surface, &stretch);
-            if extend(&surface.topology, &surface.costs, &mut surface.seams, &peaks) == 0 {
-                break;
+            if progress.is_stalled(stretch.l2) || !self.cut_further(surface, &stretch) {
+                return Ok(if foresight.is_hopeless() { Scouted::Hopeless } else { Scouted::Stalled(cuts) });
             }
-            rounds.push(peaks);
+            cuts += 1;
             if let Some(filling) = filling {
-                surface.release_caps(coarse, filling, &costs)?;
+                let costs = |mesh: &TriMesh, topology: &Topology, real: usize| self.costs(piece, mesh, topology, real);
+                surface.release_caps(piece, filling, &costs)?;
             }
         }
-        Ok(())
+        Ok(Scouted::Promising(cuts))
     }
 }

@@ -8,6 +8,9 @@ use abf_metrics::{FaceDistortion, per_face};
 /// No face counts as shrunk to less than this part of its area.
 const SMALLEST: f64 = 1e-60;
 
+/// A face with no more than this part of the area of all has none.
+const NO_AREA: f64 = 1e-14;
+
 /// More peaks are not looked at.
 const MOST_PEAKS: usize = 200;
 
@@ -22,6 +25,15 @@ pub(super) struct Stretch {
     excess: Vec<f64>,
 }
 
+/// A real face that has an area.
+struct Face {
+    /// Its vertices on the surface that the chart was cut from.
+    vertices: [VertexId; 3],
+    surface_share: f64,
+    area_ratio: f64,
+    stretch_l2: f64,
+}
+
 impl Stretch {
     /// Measures the first `real` faces of a chart of a surface with so many vertices.
     pub(super) fn measure(
@@ -31,28 +43,51 @@ impl Stretch {
         surface_vertices: usize,
     ) -> Result<Self, FlattenError> {
         let all = per_face(&chart.mesh, uv)?;
-        let faces = &all[..real];
-        let shares = |weigh: &dyn Fn(&FaceDistortion) -> f64| -> f64 {
-            faces.iter().filter(|f| !f.degenerate_3d).map(|f| f.surface_share * weigh(f)).sum()
+        let face = |(f, face): (usize, &FaceDistortion)| Face {
+            vertices: chart.topology.face_vertices(FaceId::new(f)).map(|v| chart.vertices[v.index()]),
+            surface_share: face.surface_share,
+            area_ratio: face.area_ratio,
+            stretch_l2: face.stretch_l2,
         };
+        let faces: Vec<Face> = all[..real].iter().enumerate().filter(|(_, f)| !f.degenerate_3d).map(face).collect();
+        Ok(Self::of(&faces, surface_vertices))
+    }
+
+    /// What a conformal map that scales lengths by `e^u` does to the first `real` faces of a surface.
+    pub(super) fn predicted(mesh: &TriMesh, real: usize, u: &[f64]) -> Self {
+        let areas: Vec<f64> = mesh.triangles().take(real).map(|[a, b, c]| (b - a).cross(&(c - a)).norm()).collect();
+        let total: f64 = areas.iter().sum();
+        let face = |(&vertices, &area): (&[VertexId; 3], &f64)| {
+            let scale = (vertices.iter().map(|v| u[v.index()]).sum::<f64>() / 3.0).exp();
+            let (area_ratio, stretch_l2) = (scale * scale, scale.recip());
+            Face { vertices, surface_share: area / total, area_ratio, stretch_l2 }
+        };
+        let faces: Vec<Face> =
+            mesh.faces().iter().zip(&areas).filter(|(_, area)| **area > NO_AREA * total).map(face).collect();
+        Self::of(&faces, mesh.vertex_count())
+    }
+
+    fn of(faces: &[Face], surface_vertices: usize) -> Self {
+        let shares = |weigh: &dyn Fn(&Face) -> f64| -> f64 { faces.iter().map(|f| f.surface_share * weigh(f)).sum() };
         let total = shares(&|_| 1.0);
         // Per-face figures are at equal areas of all faces, virtual ones included.
         let ratio = shares(&|f| f.area_ratio) / total;
         let l2 = (shares(&|f| f.stretch_l2.powi(2)) / total * ratio).sqrt();
         let mut sums = vec![(0.0, 0.0); surface_vertices];
-        for (f, face) in faces.iter().enumerate().filter(|(_, face)| !face.degenerate_3d) {
+        for face in faces {
             let shrunk = (ratio / face.area_ratio.max(SMALLEST)).sqrt();
-            for v in chart.topology.face_vertices(FaceId::new(f)) {
-                let (sum, weight) = &mut sums[chart.vertices[v.index()].index()];
+            for v in face.vertices {
+                let (sum, weight) = &mut sums[v.index()];
                 *sum += face.surface_share * shrunk;
                 *weight += face.surface_share;
             }
         }
         let mean = |&(sum, weight): &(f64, f64)| if weight > 0.0 { sum / weight } else { 0.0 };
         let at_vertex: Vec<f64> = sums.iter().map(mean).collect();
-        let above = |(s, &(_, weight)): (&f64, &(f64, f64))| weight * (s * s - 1.0).max(0.0);
+        let both = std::env::var("ABF_BOTH").is_ok();
+        let above = |(s, &(_, weight)): (&f64, &(f64, f64))| weight * (if both { s.max(s.recip()) } else { *s }.powi(2) - 1.0).max(0.0);
         let excess = at_vertex.iter().zip(&sums).map(above).collect();
-        Ok(Self { l2, at_vertex, excess })
+        Self { l2, at_vertex, excess }
     }
 
     /// The peaks of the stretch worth most: at most `count` vertices.
@@ -67,8 +102,10 @@ impl Stretch {
         apart: f64,
         may_be: impl Fn(VertexId) -> bool,
     ) -> Vec<VertexId> {
-        let mut order: Vec<usize> = (0..self.at_vertex.len()).filter(|&v| self.at_vertex[v] > 1.0).collect();
-        order.sort_unstable_by(|&a, &b| self.at_vertex[b].total_cmp(&self.at_vertex[a]).then(a.cmp(&b)));
+        let both = std::env::var("ABF_BOTH").is_ok();
+        let height = |v: usize| if both && self.at_vertex[v] > 0.0 { self.at_vertex[v].max(self.at_vertex[v].recip()) } else { self.at_vertex[v] };
+        let mut order: Vec<usize> = (0..self.at_vertex.len()).filter(|&v| height(v) > 1.0).collect();
+        order.sort_unstable_by(|&a, &b| height(b).total_cmp(&height(a)).then(a.cmp(&b)));
         let mut peaks: Vec<(Point3<f64>, VertexId, f64)> = Vec::new();
         for v in order.into_iter().map(VertexId::new) {
             let here = mesh.positions()[v.index()];
