@@ -78,10 +78,10 @@ pub mod control {
 /// Repair, filled holes, seams and charts by themselves; the settings of [`Unwrap`] are at the root of the crate.
 pub mod cut {
     pub use abf_cut::{
-        Chart, CostSettings, EdgeCosts, Filled, Found, HardSurface, HoleFilling, PlanarFacets, RepairError,
-        RepairReport, Repaired, Seams, Simplified, Welded, distances, extend, fill, hard_surface, hard_surface_asking,
-        label_borders, loop_length, open, outer_loop, planar_facets, repair, repair_asking, repair_with, simplify,
-        simplify_asking, split, split_asking, two_parts, two_parts_asking, uv_borders, weld, weld_asking, weld_within,
+        Chart, ConformalScale, CostSettings, EdgeCosts, Filled, Found, HardSurface, HoleFilling, PlanarFacets,
+        RepairError, RepairReport, Repaired, Seams, Welded, distances, extend, fill, hard_surface, hard_surface_asking,
+        label_borders, loop_length, open, outer_loop, planar_facets, repair, repair_asking, repair_with, split,
+        split_asking, two_parts, two_parts_asking, uv_borders, weld, weld_asking, weld_within,
     };
 }
 

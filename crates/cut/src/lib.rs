@@ -7,11 +7,11 @@
 //! 2. [`split`] without seams takes its components apart;
 //! 3. [`fill`] closes holes by virtual faces, to be dropped after the layout;
 //! 4. [`open`] finds the least seam that makes a component a disk;
-//! 5. [`extend`] joins further vertices to the seam: those at which a flattening found the stretch too large;
+//! 5. [`extend`] joins further vertices to the seam: those at which the stretch is too large;
 //! 6. [`split`] cuts along the seam, into [`Chart`]s.
 //!
-//! Beside that, [`ConformalScale`] predicts where a map will shrink the surface, [`simplify`] makes a coarser mesh to look for seams on, [`hard_surface`] finds the nets of planar and developable parts, and [`two_parts`] takes apart what nothing
-//! else helps.
+//! Beside that, [`ConformalScale`] foresees where a map will shrink a surface, before there is a map, [`hard_surface`] finds
+//! the nets of planar and developable parts, and [`two_parts`] takes apart what nothing else helps.
 //!
 //! Nothing here solves for an angle. Seams prefer edges that are short, creased and hidden
 //! ([`EdgeCosts`]); every search is Dijkstra's (1959), so all of it takes time `O(n log n)`.
@@ -35,7 +35,6 @@ mod part;
 mod paths;
 mod repair;
 mod seams;
-mod simplify;
 #[cfg(test)]
 mod test_support;
 mod weld;
@@ -54,5 +53,4 @@ pub use repair::{
     repair_with,
 };
 pub use seams::Seams;
-pub use simplify::{Simplified, simplify, simplify_asking};
 pub use weld::{Weld, Welded, weld, weld_asking, weld_within};

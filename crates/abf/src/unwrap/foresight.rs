@@ -5,12 +5,16 @@ use super::surface::Surface;
 use abf_control::{Cancelled, Checkpoint};
 use abf_cut::{Chart, ConformalScale, Seams};
 use abf_linalg::LinearError;
+use abf_mesh::{Topology, TriMesh};
 
 /// So many rounds in a row without [`PROGRESS`] end the cutting of a piece.
 const PATIENCE: usize = 8;
 
 /// Progress brings what the stretch is above 1 below this part of the least so far.
 const PROGRESS: f64 = 0.9;
+
+/// Maps come out worse than foreseen: what is foreseen is to be this part of the aim, above 1.
+const CAUTION: f64 = 0.9;
 
 /// A map may miss the aim by so many times what is foreseen, above 1, at most: beyond that it is not worth making.
 const HOPELESS: f64 = 4.0;
@@ -25,7 +29,7 @@ const LEAST_FACTOR: f64 = 0.5;
 pub(super) struct Foresight {
     /// The aim of the piece.
     max_stretch: f64,
-    /// The stretch at which it is worth trying a map: the aim, or less where maps turned out worse than foreseen.
+    /// What is to be foreseen for a map to be worth trying: less where a map has turned out worse than foreseen.
     pub(super) worth_trying: f64,
     /// For the surface with so many faces. Holes that are closed, or open again, make it another.
     system: Option<(usize, Option<ConformalScale>)>,
@@ -35,8 +39,7 @@ pub(super) struct Foresight {
 
 impl Foresight {
     pub(super) fn new(max_stretch: f64) -> Self {
-        let factor = std::env::var("ABF_FACTOR").ok().and_then(|s| s.parse().ok()).unwrap_or(0.9);
-        let worth_trying = 1.0 + factor * (max_stretch - 1.0);
+        let worth_trying = 1.0 + CAUTION * (max_stretch - 1.0);
         Self { max_stretch, worth_trying, system: None, l2: None }
     }
 
@@ -62,7 +65,7 @@ impl Foresight {
 
     /// Whether a map of what was looked at last is not worth making.
     pub(super) fn is_hopeless(&self) -> bool {
-        self.l2.is_some_and(|l2| l2.is_nan() || l2 - 1.0 > HOPELESS * (self.max_stretch - 1.0))
+        !self.is_flat() && self.l2.is_some_and(|l2| l2 - 1.0 > HOPELESS * (self.max_stretch - 1.0))
     }
 
     /// Whether what was looked at last is flat or nearly so, as far as is known.
@@ -81,7 +84,7 @@ impl Foresight {
     fn of(
         &mut self,
         real: usize,
-        (mesh, topology): (&abf_mesh::TriMesh, &abf_mesh::Topology),
+        (mesh, topology): (&TriMesh, &Topology),
         seams: &Seams,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Option<Stretch>, Cancelled> {
@@ -94,7 +97,8 @@ impl Foresight {
         let Some((_, Some(system))) = &self.system else { return Ok(None) };
         let u = possible(system.log_scale(topology, seams))?;
         checkpoint()?;
-        let stretch = u.map(|u| Stretch::predicted(mesh, real, &u));
+        // Where no face has an area there is no stretch.
+        let stretch = u.map(|u| Stretch::predicted(mesh, real, &u)).filter(|stretch| !stretch.l2.is_nan());
         self.l2 = stretch.as_ref().map(|stretch| stretch.l2);
         Ok(stretch)
     }
@@ -129,5 +133,57 @@ impl Progress {
             self.without += 1;
         }
         self.without >= PATIENCE
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abf_mesh::{FaceId, Point3, VertexId};
+
+    fn piece(positions: &[[f64; 3]], faces: &[[usize; 3]]) -> Chart {
+        let mesh = TriMesh::new(positions.iter().copied().map(Point3::from).collect(), faces).expect("a mesh");
+        let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
+        Chart {
+            faces: (0..faces.len()).map(FaceId::new).collect(),
+            vertices: (0..positions.len()).map(VertexId::new).collect(),
+            mesh,
+            topology,
+        }
+    }
+
+    fn pyramid(height: f64) -> Chart {
+        let base = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, height]];
+        piece(&base, &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+    }
+
+    fn is_hopeless(piece: &Chart, max_stretch: f64) -> bool {
+        Foresight::new(max_stretch).is_hopeless_as_it_is(piece, &mut || Ok(())).expect("nobody aborts")
+    }
+
+    #[test]
+    fn a_spike_is_not_worth_a_map_and_what_is_flat_always_is() {
+        assert!(is_hopeless(&pyramid(9.0), 1.15));
+        assert!(!is_hopeless(&pyramid(0.1), 1.15));
+        assert!(!is_hopeless(&pyramid(0.0), 1.0));
+        assert!(!is_hopeless(&piece(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]), 1.0));
+    }
+
+    /// It would be parted for ever.
+    #[test]
+    fn a_face_without_area_is_not_hopeless() {
+        assert!(!is_hopeless(&piece(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], &[[0, 1, 2]]), 1.15));
+    }
+
+    #[test]
+    fn a_map_that_is_worse_than_foreseen_makes_less_worth_trying() {
+        let mut foresight = Foresight::new(1.15);
+        let before = foresight.worth_trying;
+        foresight.l2 = Some(1.13);
+        foresight.learn(1.2);
+        assert!(foresight.worth_trying < before && foresight.worth_trying > 1.05, "{}", foresight.worth_trying);
+        let worse = foresight.worth_trying;
+        foresight.learn(1.12);
+        assert_eq!(foresight.worth_trying, worse, "better than foreseen changes nothing");
     }
 }

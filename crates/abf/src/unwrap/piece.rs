@@ -33,8 +33,8 @@ impl Component<'_, '_> {
             HoleRule::Fill(_) | HoleRule::Cut => false,
         };
         let mut foresight = Foresight::new(self.settings.max_stretch);
-        let may_do_as_it_is = (is_disk || may_stay_open)
-            && !foresight.is_hopeless_as_it_is(piece, &mut || self.go_on())?;
+        let may_do_as_it_is =
+            (is_disk || may_stay_open) && !foresight.is_hopeless_as_it_is(piece, &mut || self.go_on())?;
         let as_it_is = if may_do_as_it_is { self.as_it_is(piece, is_disk)? } else { None };
         if let Some(attempt) = as_it_is {
             return Ok(attempt);
@@ -203,7 +203,6 @@ impl Component<'_, '_> {
                 self.go_on()?;
             }
             let stretch = stretch.expect("measured above where it was not before");
-            if std::env::var("ABF_TRACE").is_ok() { eprintln!("missed {} faces {} actual {}", round, piece.mesh.face_count(), stretch.l2); }
             last = quick.ok().map(|uv| (chart, uv));
             foresight.learn(stretch.l2);
             if is_stalled || progress.is_stalled(stretch.l2) || !self.cut_further(&mut surface, &stretch) {

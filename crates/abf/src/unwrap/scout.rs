@@ -37,7 +37,6 @@ impl Component<'_, '_> {
             ear.begin_round(round + cuts);
             ask(&mut ear, Event::Working)?;
             let Some(stretch) = foresight.stretch(surface, &mut || self.go_on())? else { return Ok(Scouted::Unknown) };
-            if std::env::var("ABF_TRACE").is_ok() { eprintln!("  scout {} faces {} seam {} predicted {}", cuts, piece.mesh.face_count(), surface.seams.len(), stretch.l2); }
             if stretch.l2 <= foresight.worth_trying {
                 break;
             }

@@ -84,8 +84,7 @@ impl Stretch {
         }
         let mean = |&(sum, weight): &(f64, f64)| if weight > 0.0 { sum / weight } else { 0.0 };
         let at_vertex: Vec<f64> = sums.iter().map(mean).collect();
-        let both = std::env::var("ABF_BOTH").is_ok();
-        let above = |(s, &(_, weight)): (&f64, &(f64, f64))| weight * (if both { s.max(s.recip()) } else { *s }.powi(2) - 1.0).max(0.0);
+        let above = |(s, &(_, weight)): (&f64, &(f64, f64))| weight * (s * s - 1.0).max(0.0);
         let excess = at_vertex.iter().zip(&sums).map(above).collect();
         Self { l2, at_vertex, excess }
     }
@@ -102,10 +101,8 @@ impl Stretch {
         apart: f64,
         may_be: impl Fn(VertexId) -> bool,
     ) -> Vec<VertexId> {
-        let both = std::env::var("ABF_BOTH").is_ok();
-        let height = |v: usize| if both && self.at_vertex[v] > 0.0 { self.at_vertex[v].max(self.at_vertex[v].recip()) } else { self.at_vertex[v] };
-        let mut order: Vec<usize> = (0..self.at_vertex.len()).filter(|&v| height(v) > 1.0).collect();
-        order.sort_unstable_by(|&a, &b| height(b).total_cmp(&height(a)).then(a.cmp(&b)));
+        let mut order: Vec<usize> = (0..self.at_vertex.len()).filter(|&v| self.at_vertex[v] > 1.0).collect();
+        order.sort_unstable_by(|&a, &b| self.at_vertex[b].total_cmp(&self.at_vertex[a]).then(a.cmp(&b)));
         let mut peaks: Vec<(Point3<f64>, VertexId, f64)> = Vec::new();
         for v in order.into_iter().map(VertexId::new) {
             let here = mesh.positions()[v.index()];
