@@ -152,9 +152,15 @@ mod tests {
         }
     }
 
+    /// A pyramid on a square plain.
     fn pyramid(height: f64) -> Chart {
-        let base = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, height]];
-        piece(&base, &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+        let around = |r: f64| [[r, 0.0, 0.0], [0.0, r, 0.0], [-r, 0.0, 0.0], [0.0, -r, 0.0]];
+        let mut positions = around(1.0).to_vec();
+        positions.extend(around(3.0));
+        positions.push([0.0, 0.0, height]);
+        let sides = (0..4).map(|i| (i, (i + 1) % 4));
+        let faces: Vec<_> = sides.flat_map(|(i, j)| [[i, j, 8], [i, 4 + i, 4 + j], [i, 4 + j, j]]).collect();
+        piece(&positions, &faces)
     }
 
     fn is_hopeless(piece: &Chart, max_stretch: f64) -> bool {
