@@ -50,5 +50,5 @@ fn the_header_declares_every_entry_point_and_the_version_is_that_of_the_package(
     {
         assert!(HEADER.contains(&format!(" abf_{name}(")) || HEADER.contains(&format!("*abf_{name}(")), "{name}");
     }
-    assert_eq!(abf_version() % 100, env!("CARGO_PKG_VERSION_PATCH").parse().expect("a number"));
+    assert_eq!(abf_version() % 100, env!("CARGO_PKG_VERSION_PATCH").parse::<u32>().expect("a number"));
 }
