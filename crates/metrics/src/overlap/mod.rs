@@ -208,9 +208,14 @@ impl Overlaps {
                     let limit = faces.iter().flatten().map(|&face| rounding(face)).fold(0.0, f64::max);
                     let at = outline.segments.partition_point(|s| s.low < spot);
                     let starts_here = outline.segments.get(at).is_some_and(|s| s.low == spot);
-                    let segment =
-                        if starts_here { Some(at) } else { outline.segments.iter().position(|s| s.high == spot) };
-                    match segment.filter(|_| depth <= limit) {
+                    let segment = if depth > limit {
+                        None
+                    } else if starts_here {
+                        Some(at)
+                    } else {
+                        outline.segments.iter().position(|s| s.high == spot)
+                    };
+                    match segment {
                         Some(segment) => {
                             let segment = segment as u32;
                             shallow.push(Shallow { depth, limit, segment, faces, is_meeting: true });
