@@ -25,7 +25,7 @@ const FLAT: f64 = 1.001;
 /// A map that misses the aim makes what is to be foreseen smaller, above 1: by no more than this factor.
 const LEAST_FACTOR: f64 = 0.5;
 
-/// What is foreseen of the stretch of one piece: that of a conformal map ([`ConformalScale`]), which costs a tenth of a map.
+/// What is foreseen of the stretch of one piece: that of a conformal map ([`ConformalScale`]).
 pub(super) struct Foresight {
     /// The aim of the piece.
     max_stretch: f64,
