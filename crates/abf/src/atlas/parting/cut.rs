@@ -1,7 +1,7 @@
 //! Cuts across a chart.
 
 use super::super::outline::boundary_loops;
-use super::split::{corners, length};
+use super::corners::{corners, length};
 use crate::unwrap::UnwrappedChart;
 use abf_mesh::TriMesh;
 use abf_pack::{Piece, gaps};

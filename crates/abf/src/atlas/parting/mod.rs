@@ -1,5 +1,6 @@
 //! Charts in two, where that lets an atlas cover more, or keeps the margin inside of a chart.
 
+mod corners;
 mod cut;
 mod split;
 

@@ -1,9 +1,10 @@
 //! A chart in two.
 
 use super::super::judge::Parts;
+use super::corners::{corners, length};
 use super::cut::{Cut, Sheet};
 use crate::unwrap::{Unwrapped, UnwrappedChart};
-use abf_mesh::{DisjointSets, FaceId, TriMesh, UvId, UvMap, VertexId};
+use abf_mesh::{DisjointSets, FaceId, TriMesh, UvMap, VertexId};
 use abf_metrics::{MetricsError, Precision, certify, measure_certified};
 use std::collections::{HashMap, HashSet};
 
@@ -114,15 +115,6 @@ fn part_of(chart: &UnwrappedChart, is_in: impl Fn(usize) -> bool) -> UnwrappedCh
     UnwrappedChart { faces, uv, ..chart.clone() }
 }
 
-/// The points and the vertices of every face of a chart.
-pub(super) fn corners<'a>(
-    mesh: &'a TriMesh,
-    chart: &'a UnwrappedChart,
-) -> impl Iterator<Item = ([usize; 3], [VertexId; 3])> + 'a {
-    let points = chart.uv.corners().as_chunks::<3>().0.iter().map(|three| three.map(UvId::index));
-    points.zip(chart.faces.iter().map(|face| mesh.faces()[face.index()]))
-}
-
 /// The ends of every edge that one face of a chart has, the lower one first.
 fn border(mesh: &TriMesh, chart: &UnwrappedChart) -> Vec<[VertexId; 2]> {
     let mut edges: Vec<([usize; 2], [VertexId; 2])> = Vec::new();
@@ -134,9 +126,4 @@ fn border(mesh: &TriMesh, chart: &UnwrappedChart) -> Vec<[VertexId; 2]> {
     }
     edges.sort_unstable();
     edges.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| same[0].1).collect()
-}
-
-/// The length of an edge on the surface.
-pub(super) fn length(mesh: &TriMesh, [a, b]: [VertexId; 2]) -> f64 {
-    (mesh.positions()[a.index()] - mesh.positions()[b.index()]).norm()
 }

@@ -38,7 +38,7 @@ fn check(mesh: &TriMesh, parted: &Parted) {
     faces.sort_unstable();
     assert!(faces.into_iter().eq(0..mesh.face_count()));
     assert!(parted.packed.metrics.injective());
-    let lengths: f64 = parted.unwrapped.seams.iter().map(|&edge| split::length(mesh, edge)).sum();
+    let lengths: f64 = parted.unwrapped.seams.iter().map(|&edge| corners::length(mesh, edge)).sum();
     assert!((lengths - parted.unwrapped.seam_length).abs() < 1e-9 * lengths.max(1.0));
     // Every seam has a part on both sides here.
     let of_charts: f64 = charts.iter().map(|chart| chart.seam_length).sum();

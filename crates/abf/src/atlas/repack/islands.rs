@@ -61,7 +61,8 @@ impl<'a> Islands<'a> {
             is_single: vec![true; count],
             faces,
         };
-        if !whole.injective() {
+        // An island whose faces are all shared stays with the one that it shares them with.
+        if !whole.injective() || found.shared() > 0 {
             for (i, faces) in found.judged.iter().enumerate() {
                 found.proved[i] = Proved::of(&judge.certificate_of(faces)?);
             }
@@ -110,9 +111,10 @@ impl<'a> Islands<'a> {
         self.faces.iter().map(|faces| sets.find(mesh.faces()[faces[0].index()][0].index())).collect()
     }
 
-    /// The UV points of the corners of an island's faces that are judged, three for each.
+    /// The UV points of the corners of an island's faces that are judged, three for each; of all its faces where none is.
     pub(super) fn corners(&self, island: usize) -> impl Iterator<Item = UvId> + '_ {
-        self.ids(&self.judged[island])
+        let judged = &self.judged[island];
+        self.ids(if judged.is_empty() { &self.faces[island] } else { judged })
     }
 
     /// Those of all its faces.
