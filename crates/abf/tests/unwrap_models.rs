@@ -109,7 +109,7 @@ fn our_cuts_of_closed_models_stand_beside_the_papers() {
     );
     for (name, paper, paper_stretch) in PUBLISHED {
         let mesh = read(&folder, &format!("raw/{name}.obj"));
-        for max_stretch in [1.2, 1.15, 1.07] {
+        for max_stretch in [1.2, 1.15, 1.05] {
             let start = Instant::now();
             let unwrapped = unwrap(&Unwrap { max_stretch, ..Unwrap::default() }, &mesh);
             let seconds = start.elapsed().as_secs_f64();
@@ -127,7 +127,7 @@ fn our_cuts_of_closed_models_stand_beside_the_papers() {
             assert!(unwrapped.is_certified(), "{name}");
             assert!(metrics.stretch_l2 <= max_stretch, "{name}: L2 {}", metrics.stretch_l2);
             // Where the aim is missed by little, one more cut brings F far below: only a tight aim tells.
-            if max_stretch == 1.07 {
+            if max_stretch == 1.05 {
                 assert!(metrics.f <= paper, "{name}: F {} above the paper's {paper}", metrics.f);
             }
         }

@@ -3,7 +3,7 @@
 //! A pass minimises `Σ (e/α)²` subject to `J e = −h` and to
 //!
 //! ```text
-//! |e| ≤ B min(α, π − α),        B = LinAbf::error_bound,
+//! −B α ≤ e ≤ B (π − α),        B = LinAbf::error_bound,
 //! ```
 //!
 //! so that no angle leaves (0, π), by a primal–dual active set: a corner beyond its bound is fixed there, with `Λ⁻¹ = 0`, and
@@ -81,13 +81,14 @@ struct Here {
     lambda: Vec<f64>,
     residual: Vec<f64>,
     wheel: WheelDerivative,
-    /// The largest error of each corner, rad.
-    most: Vec<f64>,
+    /// The least and the greatest error of each corner, rad.
+    limits: Vec<[f64; 2]>,
 }
 
 impl Here {
     fn allows_at(&self, c: usize, error: f64) -> bool {
-        error.abs() <= (1.0 + ROUNDING) * self.most[c]
+        let [least, most] = self.limits[c].map(|limit| (1.0 + ROUNDING) * limit);
+        (least..=most).contains(&error)
     }
 
     fn allows(&self, errors: &[f64]) -> bool {
@@ -116,8 +117,8 @@ impl<'p, 'a> BoxedRun<'p, 'a> {
         let clamped = self.problem.clamp(&mut self.angles);
         let clamped_angles = if self.history.is_empty() { self.problem.clamped_angles() } else { clamped };
         let (residual, wheel) = linearise(self.problem.rows(), &self.angles);
-        let most = self.angles.iter().map(|x| self.error_bound * x.min(PI - x)).collect();
-        let here = Here { lambda: metric(&self.angles), residual, wheel, most };
+        let limits = self.angles.iter().map(|x| [-self.error_bound * x, self.error_bound * (PI - x)]).collect();
+        let here = Here { lambda: metric(&self.angles), residual, wheel, limits };
         self.held.fill(Held::Free);
         let mut solves = 0;
         let (report, errors) = loop {
@@ -153,7 +154,8 @@ impl<'p, 'a> BoxedRun<'p, 'a> {
     /// The errors with the corners held as they are, and `Λ e + Jᵀ μ`: what holds them.
     fn errors(&mut self, here: &Here, watch: &mut Watch<'_>) -> Result<(StepReport, Vec<f64>, Vec<f64>), StepError> {
         let (topology, rows) = (self.problem.topology(), self.problem.rows());
-        let fixed: Vec<f64> = self.held.iter().zip(&here.most).map(|(&held, &most)| error_of(held, most)).collect();
+        let fixed: Vec<f64> =
+            self.held.iter().zip(&here.limits).map(|(&held, &limits)| error_of(held, limits)).collect();
         // An infinite entry has no inverse to move by.
         let entry = |(&held, &l): (&Held, &f64)| if held == Held::Free { l } else { f64::INFINITY };
         let lambda: Vec<f64> = self.held.iter().zip(&here.lambda).map(entry).collect();
@@ -221,10 +223,10 @@ impl<'p, 'a> BoxedRun<'p, 'a> {
     }
 }
 
-fn error_of(held: Held, most: f64) -> f64 {
+fn error_of(held: Held, [least, most]: [f64; 2]) -> f64 {
     match held {
         Held::Free => 0.0,
-        Held::Low => -most,
+        Held::Low => least,
         Held::High => most,
     }
 }
@@ -252,7 +254,7 @@ mod tests {
         let mut run = BoxedRun::new(problem, error_bound, step);
         let before = run.angles.clone();
         assert_eq!(run.pass(&mut watch), Ok(true));
-        let share = |(x, y): (&f64, &f64)| (y - x).abs() / x.min(PI - x);
+        let share = |(x, y): (&f64, &f64)| if y < x { 1.0 - y / x } else { (y - x) / (PI - x) };
         (before.iter().zip(&run.angles).map(share).fold(0.0, f64::max), run.history[0].inner_iterations)
     }
 

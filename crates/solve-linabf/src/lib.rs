@@ -77,8 +77,8 @@ impl fmt::Display for Passes {
 pub struct LinAbf {
     /// How many passes to make.
     pub passes: Passes,
-    /// How far an angle may move in a pass at most, as a part of its distance to the nearer of 0 and π, in (0, 1); `None`
-    /// bounds nothing. See `boxed.rs` for where it helps and where it stalls. With conditions on the boundary it is refused.
+    /// How far an angle may move in a pass at most, as a part `B` of its way to 0 or π: `−B α ≤ e ≤ B (π − α)`, in (0, 1);
+    /// `None` bounds nothing. See `boxed.rs` for where it helps and where it stalls. With conditions on the boundary it is refused.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub error_bound: Option<f64>,
 }

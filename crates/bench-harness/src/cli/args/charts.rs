@@ -52,7 +52,7 @@ pub(crate) struct ChartArgs {
     #[arg(long, hide_short_help = true, help_heading = CHARTS)]
     pub(crate) strict: bool,
     /// Refuse meshes that are no disks, instead of making charts of them
-    #[arg(long, help_heading = CHARTS)]
+    #[arg(long, hide_short_help = true, help_heading = CHARTS)]
     pub(crate) disks_only: bool,
     /// How they are laid out.
     #[command(flatten)]

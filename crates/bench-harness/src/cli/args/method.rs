@@ -35,7 +35,7 @@ const ITERATIVE: &str = "Options of uzawa, minres";
 #[derive(Debug, clap::Args)]
 pub(crate) struct MethodArgs {
     /// How angles become coordinates; auto is the tree when the angles close, else least squares
-    #[arg(long, value_name = "KIND", default_value_t, value_parser = one_of::<LayoutKind, _>(LayoutKind::ALL.map(LayoutKind::name)))]
+    #[arg(long, hide_short_help = true, value_name = "KIND", default_value_t, value_parser = one_of::<LayoutKind, _>(LayoutKind::ALL.map(LayoutKind::name)))]
     pub(crate) layout: LayoutKind,
     /// Scale the UVs into the unit square; otherwise they have the area of the surface, and charts are in it anyway
     #[arg(long)]
@@ -79,14 +79,14 @@ pub(crate) struct MethodArgs {
     /// * auto: yes, by linabf, then barrier
     /// * linabf, barrier: yes
     /// * linabf with --error-bound, all other solvers: no
-    #[arg(long, value_name = "RULE", help_heading = BOUNDARY, verbatim_doc_comment)]
+    #[arg(long, hide_short_help = true, value_name = "RULE", help_heading = BOUNDARY, verbatim_doc_comment)]
     pub(crate) boundary: Option<BoundaryRule>,
 
     /// How many passes to make: a number, or auto: until the constraints are met [default: auto]
     #[arg(long, hide_short_help = true, value_name = "N|auto", help_heading = PASSES)]
     pub(crate) passes: Option<Passes>,
 
-    /// No angle moves in a pass by more than this part of its distance to 0 or π, in (0, 1) [default: no bound]
+    /// No angle moves in a pass by more than this part of its way to 0 or π, in (0, 1) [default: no bound]
     #[arg(long, hide_short_help = true, value_name = "B", help_heading = ERRORS)]
     pub(crate) error_bound: Option<f64>,
 
