@@ -63,7 +63,7 @@ impl<'a> Islands<'a> {
         };
         // An island whose faces are all shared stays with the one that it shares them with.
         if !whole.injective() || found.shared() > 0 {
-            for (i, faces) in found.judged.iter().enumerate() {
+            for (i, faces) in found.judged.iter().enumerate().filter(|(_, faces)| !faces.is_empty()) {
                 found.proved[i] = Proved::of(&judge.certificate_of(faces)?);
             }
             let mut sets = DisjointSets::new(count);
