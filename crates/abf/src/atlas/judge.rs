@@ -34,7 +34,7 @@ impl<'a> Judge<'a> {
     /// What is proved of the faces of each page, together.
     pub(crate) fn certificate(&self, pages: &[Vec<FaceId>]) -> Result<Certificate, MetricsError> {
         let mut whole: Option<Certificate> = None;
-        for faces in pages.iter().map(|faces| sorted(faces)) {
+        for faces in pages.iter().filter(|faces| !faces.is_empty()).map(|faces| sorted(faces)) {
             let (part, map, vertices) = self.parts.of(&faces);
             let found = in_input(certify_stored(&part, &map, self.precision)?, &faces, &vertices);
             whole = Some(match whole {

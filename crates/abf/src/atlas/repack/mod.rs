@@ -137,6 +137,7 @@ impl Repack {
                 .enumerate()
                 .filter(|&(number, _)| !pieces[number].keeps_its_angle)
                 .flat_map(|(number, bundle)| bundle.iter().map(move |&i| (number, i)))
+                .filter(|&(_, i)| !islands.judged[i].is_empty())
                 .collect();
             let before = turnable.iter().map(|&(_, i)| (islands.judged[i].as_slice(), islands.proved[i]));
             let spoilt = judge.spoilt(before, &certificate)?;
