@@ -162,7 +162,7 @@ impl Failure {
 
     /// A picture that cannot be drawn.
     pub(crate) fn picture(path: &Path, error: &PictureError) -> Self {
-        let hint = "leave out --png, --svg and --dxf; the mesh and the figures do not depend on it";
+        let hint = "leave the picture out; the mesh and the figures do not depend on it";
         Self::new((FailureKind::NoPicture, hint), format!("{}: {}", path.display(), chain(error)))
     }
 
