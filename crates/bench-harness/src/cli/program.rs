@@ -17,6 +17,7 @@ Exit codes:
   0  finished as asked and valid: no triangle flipped or collapsed, no vertex wound around twice
   1  finished, but not converged, or not valid, or cancelled
   2  unusable input or usage, or a file that cannot be written
+  130  interrupted twice
 Of several meshes or solvers the worst counts. A reader of stdout that goes away is no error.
 An overlap makes the code 1 in an atlas, unless --overlap allow; of a lone disk it is said only.";
 
