@@ -124,7 +124,7 @@ impl Certificate {
     /// Whether the map is one to one everywhere: valid and without overlap. Charts may touch.
     #[must_use]
     pub fn injective(&self) -> bool {
-        self.valid() && self.overlaps() == 0
+        self.valid() && self.overlaps() == 0 && !self.overlaps_are_least
     }
 }
 

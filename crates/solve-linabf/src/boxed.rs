@@ -41,6 +41,8 @@ pub(crate) fn solve(
     let termination = loop {
         match run.pass(&mut watch) {
             Ok(true) => {}
+            // Nothing is held yet: it is the mesh that has no solution.
+            Err(StepError::Linear(error)) if run.is_free() && run.history.is_empty() => return Err(error.into()),
             // With a set that leaves no solution there is no better one either.
             Ok(false) | Err(StepError::Linear(_)) => break Termination::Stalled,
             Err(StepError::Cancelled(cancelled)) => return Err(cancelled.into()),
@@ -191,6 +193,10 @@ impl<'p, 'a> BoxedRun<'p, 'a> {
 
     fn held_in(&self, face: FaceId) -> usize {
         face.corners().into_iter().filter(|c| self.held[c.index()] != Held::Free).count()
+    }
+
+    fn is_free(&self) -> bool {
+        self.held.iter().all(|&held| held == Held::Free)
     }
 
     /// Changes the set; whether there was anything to change.

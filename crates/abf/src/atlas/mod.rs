@@ -231,6 +231,8 @@ impl Atlas {
         };
         let mut scales: Vec<f64> = unwrapped.charts.iter().map(|chart| chart.scale).collect();
         let mut pieces: Vec<Piece> = unwrapped.charts.par_iter().zip(&page_of).map(piece).collect();
+        let mut times_enlarged = vec![0; pieces.len()];
+        let longer_side = f64::from(self.page[0].max(self.page[1]));
         let settings = self.packer(stored.precision());
         loop {
             let Packing { texels_per_unit, placements, pages, .. } =
@@ -249,7 +251,8 @@ impl Atlas {
             let certificate = judge.certificate(&faces_of)?;
             let mut is_changed = false;
             for i in judge.spoilt(proved(&unwrapped.charts), &certificate)? {
-                is_changed |= sizes::mend(&mut pieces[i], &mut scales[i], texels_per_unit);
+                let size = (&mut scales[i], &mut times_enlarged[i]);
+                is_changed |= sizes::mend(&mut pieces[i], size, texels_per_unit, longer_side);
             }
             if !is_changed {
                 let metrics = judge.metrics(&faces_of.concat(), certificate, self.page)?;

@@ -9,16 +9,35 @@ pub(super) fn resize(piece: &mut Piece, factor: f64) {
     }
 }
 
-/// Does something about a chart that packing has spoilt: it is not turned, and if it was not, made larger. `false` where nothing
-/// is left to do.
-pub(super) fn mend(piece: &mut Piece, scale: &mut f64, texels_per_unit: f64) -> bool {
+/// How often a chart is made larger: to an eighth of a texel, then to a whole one.
+const ENLARGED: u8 = 2;
+
+/// Does something about a chart that packing has spoilt: it is not turned, and if it was not, made larger, but for one that
+/// would no longer fit a page with sides of `side` texels: the others would become smaller for it. `false` where nothing is left
+/// to do. The chart has this scale, and was made larger so many times.
+pub(super) fn mend(piece: &mut Piece, (scale, times): (&mut f64, &mut u8), texels_per_unit: f64, side: f64) -> bool {
     if !std::mem::replace(&mut piece.keeps_its_angle, true) {
         return true;
     }
-    let Some(factor) = enlarged(piece.width() * texels_per_unit) else { return false };
+    let Some(factor) = enlarged(piece.width() * texels_per_unit).filter(|_| *times < ENLARGED) else { return false };
+    if longest_side(piece) * texels_per_unit * factor > side {
+        return false;
+    }
+    *times += 1;
     *scale *= factor;
     resize(piece, factor);
     true
+}
+
+/// The longer side of the box of a chart.
+fn longest_side(piece: &Piece) -> f64 {
+    let along = |axis: usize| {
+        let ends = [f64::INFINITY, f64::NEG_INFINITY];
+        let points = piece.polygons.iter().flatten().flatten();
+        let [low, high] = points.fold(ends, |[low, high], p| [low.min(p[axis]), high.max(p[axis])]);
+        high - low
+    };
+    along(0).max(along(1))
 }
 
 /// By what a chart of this width, texels, is made larger so that its triangles do not collapse by rounding: to an eighth of a
@@ -44,6 +63,20 @@ mod tests {
         assert_eq!(enlarged(0.001), Some(125.0));
         assert_eq!(enlarged(0.125), Some(8.0));
         assert_eq!((enlarged(1.0), enlarged(3.0), enlarged(0.0)), (None, None, None));
+    }
+
+    #[test]
+    fn a_chart_as_long_as_the_page_is_not_made_larger_and_others_are_twice_at_most() {
+        let strip = |length: f64| Piece::new(vec![vec![[0.0, 0.0], [length, 0.0], [length, 1e-4], [0.0, 1e-4]]]);
+        let (mut scale, mut times) = (1.0, 0);
+        let mut long = strip(100.0);
+        assert!(mend(&mut long, (&mut scale, &mut times), 1.0, 128.0) && long.keeps_its_angle);
+        assert!(!mend(&mut long, (&mut scale, &mut times), 1.0, 128.0));
+        assert_eq!((scale, times), (1.0, 0));
+        let mut short = Piece { keeps_its_angle: true, ..strip(1e-3) };
+        let results = [(); 3].map(|()| mend(&mut short, (&mut scale, &mut times), 1.0, 128.0));
+        assert_eq!((results, times), ([true, true, false], 2));
+        assert!((short.width() - 1.0).abs() < 1e-12 && (scale - 1e4).abs() < 1e-8, "{} {scale}", short.width());
     }
 
     #[test]

@@ -71,27 +71,43 @@ fn in_rounds(
         .collect();
     let mut problem = problem.clone();
     let mut round = 1;
+    let mut last: Option<Flattening> = None;
     loop {
         let conditions = BoundaryConditions::circle(topology, &lengths).map_err(ProblemError::from)?;
         problem = problem.with_boundary(Some(conditions));
-        let flat = solve(&problem, &Pipeline { stop: budget.left(), ..pipeline.clone() }, observer)?;
+        let flat = match solve(&problem, &Pipeline { stop: budget.left(), ..pipeline.clone() }, observer) {
+            Ok(flat) => finished(flat, topology, round, None),
+            Err(error @ FlattenError::Cancelled(_)) => return Err(error),
+            Err(error) => return last.map(|last| ended_as(Termination::Stalled, last)).ok_or(error),
+        };
         let ended = flat.termination;
-        let flat = finished(flat, topology, round, None);
+        // The last round that came to its end is better than half of one.
+        if is_interrupted(ended) {
+            return Ok(last.map_or(flat, |last| ended_as(ended, last)));
+        }
+        if !flat.certificate.valid() {
+            return Ok(last.map_or(flat, |last| ended_as(Termination::Stalled, last)));
+        }
         let spread = flat.boundary.as_ref().and_then(|boundary| boundary.radius_spread);
         let is_round = spread.is_some_and(|spread| spread <= 1.0 + ROUND);
-        if is_round || is_interrupted(ended) || !flat.certificate.valid() {
+        if is_round {
             return Ok(flat);
         }
         if round == ROUNDS {
-            return Ok(Flattening { termination: Termination::MaxIterations, ..flat });
+            return Ok(ended_as(Termination::Stalled, flat));
         }
         let (Some(solution), Ok(points)) = (&flat.solution, vertex_points(topology, &flat.uv)) else {
             return Ok(flat);
         };
         lengths = (0..all.len()).map(|j| (points[all[next(j)].index()] - points[all[j].index()]).norm()).collect();
         problem = problem.with_initial_guess(solution.angles().to_vec());
+        last = Some(flat);
         round += 1;
     }
+}
+
+fn ended_as(termination: Termination, flat: Flattening) -> Flattening {
+    Flattening { termination, ..flat }
 }
 
 fn is_interrupted(termination: Termination) -> bool {

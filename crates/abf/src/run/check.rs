@@ -1,11 +1,11 @@
 //! Settings, checked before anything is done.
 
 use crate::FlattenError;
-use crate::settings::{Ladder, Method, Pipeline, Solver};
+use crate::settings::{Ladder, LinAbf, Method, Pipeline, Solver};
 use abf_constraints::ProblemError;
 use abf_embed::Descent;
 use abf_reconstruct::LayoutKind;
-use abf_solve_core::AngleSolver;
+use abf_solve_core::{AngleSolver, SolveError};
 
 impl Pipeline {
     /// Checks every setting. [`Pipeline::run`] does so first, with the same error.
@@ -38,6 +38,12 @@ impl Pipeline {
             Method::Angles(angles) => angles.keeps_boundary(),
             Method::Positions(_) | Method::SurfaceAngles => false,
         };
+        if let Solver::LinAbf(LinAbf { error_bound: Some(_), .. }) = &self.solver
+            && !self.boundary.is_free()
+        {
+            let source = SolveError::Unsupported("an error bound does not go with conditions on the boundary");
+            return Err(FlattenError::of_solver(self.solver.kind(), source));
+        }
         match self.boundary.is_free() || keeps {
             true => Ok(()),
             false => Err(FlattenError::BoundarySolver(self.solver.kind())),

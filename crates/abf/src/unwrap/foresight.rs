@@ -88,6 +88,8 @@ impl Foresight {
         seams: &Seams,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Option<Stretch>, Cancelled> {
+        // What is not known of this surface is not what was known of another.
+        self.l2 = None;
         let faces = mesh.face_count();
         if self.system.as_ref().is_none_or(|(of, _)| *of != faces) {
             let system = possible(ConformalScale::new(mesh, topology, checkpoint))?;

@@ -112,6 +112,11 @@ impl Component<'_, '_> {
             }
             return self.taken_apart(piece, whole).map(Some);
         }
+        // A single face cannot be parted: it stays as it lies in its plane, or else as it came out.
+        if piece.mesh.face_count() == 1 {
+            let flat = self.laid_flat(piece, &whole)?.unwrap_or(whole);
+            return Ok(Some(Attempt::Done(vec![flat], Vec::new())));
+        }
         Ok(None)
     }
 

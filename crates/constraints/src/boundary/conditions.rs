@@ -128,7 +128,9 @@ impl BoundaryConditions {
         let sum: f64 = self.bounds.iter().sum();
         let needed = (count as f64 - 2.0) * PI;
         if given == count {
-            let is_met = (sum - needed).abs() <= SUM_TOLERANCE;
+            // The turns at the vertices are small where the sum is large, so that no digits are lost.
+            let turn: f64 = self.bounds.iter().map(|bound| PI - bound).sum();
+            let is_met = (turn - TAU).abs() <= SUM_TOLERANCE;
             return if is_met { Ok(()) } else { Err(BoundaryError::Sum { count, sum, needed }) };
         }
         let others = all.iter().filter(|&&v| self.place(v).is_none());
@@ -271,6 +273,7 @@ fn cause(topology: &Topology, is_taken: &[bool], vertex: u32, angle: f64) -> Opt
 
 #[cfg(test)]
 mod tests {
+    use super::super::Boundary;
     use super::*;
     use abf_mesh::{Point3, TriMesh};
     use abf_shapes::Shape;
@@ -365,5 +368,25 @@ mod tests {
         assert!((sum - (circle.len() as f64 - 2.0) * PI).abs() < 1e-9 && circle.are_equations());
         let largest = circle.residual(&topology, &angles).into_iter().fold(0.0, |most: f64, r| most.max(r.abs()));
         assert_eq!(circle.violation(&topology, &angles), largest);
+    }
+
+    #[test]
+    fn angles_that_may_not_be_as_large_as_those_of_a_polygon_are_refused() {
+        let topology = fan(6);
+        let error = Boundary::Below2Pi(6.0).conditions(&topology).unwrap_err();
+        assert!(matches!(error, BoundaryError::TooSmall { count: 7, .. }), "{error}");
+        assert!(Boundary::Below2Pi(0.5).conditions(&topology).is_ok());
+    }
+
+    #[test]
+    fn a_rectangle_with_hundreds_of_thousands_of_vertices_has_the_sum_of_a_polygon() {
+        let columns = 200_000_u32;
+        let at = |x: u32, y: u32| (2 * x + y) as usize;
+        let square = |x| [[at(x, 0), at(x + 1, 0), at(x + 1, 1)], [at(x, 0), at(x + 1, 1), at(x, 1)]];
+        let faces: Vec<[VertexId; 3]> = (0..columns).flat_map(square).map(|face| face.map(VertexId::new)).collect();
+        let topology = Topology::build(2 * columns as usize + 2, &faces).expect("a strip");
+        let corners = [0, 1, 2 * columns, 2 * columns + 1];
+        let result = BoundaryConditions::rectangle(&topology, corners);
+        assert!(!matches!(result, Err(BoundaryError::Sum { .. })), "{result:?}");
     }
 }

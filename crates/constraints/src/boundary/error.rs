@@ -54,6 +54,19 @@ pub enum BoundaryError {
         /// What they have to sum to.
         needed: f64,
     },
+    /// All angles together may not be as large as those of a polygon.
+    #[error(
+        "the {count} angles of the boundary may sum to {most} in all; those of a polygon sum to (n − 2) π = {needed}; \
+         allow larger ones"
+    )]
+    TooSmall {
+        /// How many.
+        count: usize,
+        /// What they may sum to.
+        most: f64,
+        /// What they have to sum to.
+        needed: f64,
+    },
     /// Some angles are given and leave the others none, or more than they can have.
     #[error(
         "the angles of {given} of {count} boundary vertices sum to {sum}; the others would have {left} in all, and can \

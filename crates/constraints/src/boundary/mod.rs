@@ -89,7 +89,15 @@ impl Boundary {
         Ok(match self {
             Self::Free | Self::Circle | Self::Rectangle(None) => None,
             Self::Convex => Some(BoundaryConditions::at_most(topology, PI)),
-            Self::Below2Pi(below) => Some(BoundaryConditions::at_most(topology, TAU - below)),
+            Self::Below2Pi(below) => {
+                let conditions = BoundaryConditions::at_most(topology, TAU - below);
+                let count = conditions.len();
+                let (most, needed) = ((TAU - below) * count as f64, (count as f64 - 2.0) * PI);
+                if most <= needed {
+                    return Err(BoundaryError::TooSmall { count, most, needed });
+                }
+                Some(conditions)
+            }
             Self::Rectangle(Some(corners)) => Some(BoundaryConditions::rectangle(topology, *corners)?),
             Self::Angles(angles) => Some(BoundaryConditions::given(topology, angles)?),
         })

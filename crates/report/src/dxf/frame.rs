@@ -128,7 +128,7 @@ fn tables(out: &mut Writer, unit: SvgUnit, high: [f64; 2]) {
     let middle = high.map(|x| 0.5 * x);
     out.table("VPORT", "8", 1).record("VPORT", "2E", "8").named("AcDbViewportTableRecord", "*ACTIVE");
     out.place(10, [0.0; 2]).place(11, [1.0; 2]).place(12, middle).number(40, high[1].max(1.0));
-    out.number(41, (high[0] / high[1]).clamp(0.1, 10.0)).end_of_table();
+    out.number(41, (high[0] / high[1].max(f64::MIN_POSITIVE)).clamp(0.1, 10.0)).end_of_table();
     out.table("LTYPE", "5", 3 + LINETYPES.len());
     for (handle, name) in [("14", "ByBlock"), ("15", "ByLayer"), ("18", "Continuous")] {
         out.record("LTYPE", handle, "5").named("AcDbLinetypeTableRecord", name);

@@ -89,8 +89,13 @@ impl Atlas {
             let budget = parting.seam_budget * splitter.seam_length(&parted.unwrapped);
             self.cover(&splitter, &mut parted, (aim, budget), &again)?;
         }
-        while parting.keeps_inner_margin && self.part_narrow(&splitter, &mut parted)? {
-            parted.packed = again(&parted.unwrapped)?;
+        while parting.keeps_inner_margin {
+            let mut more = parted.clone();
+            if !self.part_narrow(&splitter, &mut more)? {
+                break;
+            }
+            let Some(packed) = fitting(again(&more.unwrapped))? else { break };
+            parted = Parted { packed, ..more };
         }
         Ok(parted)
     }
@@ -108,7 +113,7 @@ impl Atlas {
             let mut gained = None;
             for cut in cuts.iter().take(TRIES) {
                 let Some(unwrapped) = splitter.parted(&parted.unwrapped, chart, cut)? else { continue };
-                let packed = again(&unwrapped)?;
+                let Some(packed) = fitting(again(&unwrapped))? else { continue };
                 if packed.coverage > GAIN * parted.packed.coverage {
                     gained = Some((unwrapped, packed, cut.length));
                     break;
@@ -169,6 +174,15 @@ impl Atlas {
             }
         }
         Ok(parted.for_margin > before)
+    }
+}
+
+/// What was packed; `None` where the parts do not fit the pages.
+fn fitting(packed: Result<Packed, AtlasError>) -> Result<Option<Packed>, AtlasError> {
+    match packed {
+        Ok(packed) => Ok(Some(packed)),
+        Err(AtlasError::Pack(_)) => Ok(None),
+        Err(error) => Err(error),
     }
 }
 

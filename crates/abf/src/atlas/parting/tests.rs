@@ -102,3 +102,23 @@ fn numbers_out_of_their_range_are_refused_by_name() {
         assert!(error.to_string().starts_with(name), "{error}");
     }
 }
+
+#[test]
+fn parts_that_would_not_fit_the_pages_are_no_reason_to_fail() {
+    let mesh = arch(PI, 4.0);
+    // One page takes the whole chart at this scale, and no two parts of it with their margins.
+    let whole = run(&mesh, None, &Parting::default());
+    let atlas = Atlas {
+        page: [256; 2],
+        texels_per_unit: Some(0.999 * whole.packed.texels_per_unit),
+        max_pages: 1,
+        ..Atlas::default()
+    };
+    for parting in [
+        Parting { coverage: Some(1.0), seam_budget: 9.0, ..Parting::default() },
+        Parting { keeps_inner_margin: true, ..Parting::default() },
+    ] {
+        let parted = atlas.pack_parting(&mesh, charts_of(&mesh), (None, None), Stored::default(), &parting);
+        assert_eq!(parted.expect("an atlas").packed.pages, 1);
+    }
+}
