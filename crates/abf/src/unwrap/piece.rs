@@ -105,17 +105,17 @@ impl Component<'_, '_> {
             let last = whole.metrics.valid().then(|| Box::new(whole.clone()));
             return Ok(Some(Attempt::Interrupted(whole.termination, last)));
         }
+        // What lies in a plane has a place there already.
+        if let Some(flat) = self.laid_flat(piece, &whole)? {
+            return Ok(Some(Attempt::Done(vec![flat], Vec::new())));
+        }
         let is_flat = whole.metrics.stretch_l2 <= self.settings.max_stretch;
         if whole.metrics.valid() && whole.termination.is_as_asked() && is_flat {
-            if let Some(flat) = self.laid_flat(piece, &whole)? {
-                return Ok(Some(Attempt::Done(vec![flat], Vec::new())));
-            }
             return self.taken_apart(piece, whole).map(Some);
         }
-        // A single face cannot be parted: it stays as it lies in its plane, or else as it came out.
+        // A single face cannot be parted.
         if piece.mesh.face_count() == 1 {
-            let flat = self.laid_flat(piece, &whole)?.unwrap_or(whole);
-            return Ok(Some(Attempt::Done(vec![flat], Vec::new())));
+            return Ok(Some(Attempt::Done(vec![whole], Vec::new())));
         }
         Ok(None)
     }
