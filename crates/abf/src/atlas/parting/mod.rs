@@ -89,13 +89,8 @@ impl Atlas {
             let budget = parting.seam_budget * splitter.seam_length(&parted.unwrapped);
             self.cover(&splitter, &mut parted, (aim, budget), &again)?;
         }
-        while parting.keeps_inner_margin {
-            let mut more = parted.clone();
-            if !self.part_narrow(&splitter, &mut more)? {
-                break;
-            }
-            let Some(packed) = fitting(again(&more.unwrapped))? else { break };
-            parted = Parted { packed, ..more };
+        if parting.keeps_inner_margin {
+            self.keep_margin(&splitter, &mut parted, &again)?;
         }
         Ok(parted)
     }
@@ -124,6 +119,23 @@ impl Atlas {
             *parted = Parted { unwrapped, packed, for_coverage: parted.for_coverage + 1, ..*parted };
         }
         Ok(())
+    }
+
+    /// Parts charts that are too narrow somewhere until none is, no cut helps, or the parts do not fit the pages.
+    fn keep_margin(
+        &self,
+        splitter: &Splitter<'_>,
+        parted: &mut Parted,
+        again: &dyn Fn(&Unwrapped) -> Result<Packed, AtlasError>,
+    ) -> Result<(), AtlasError> {
+        loop {
+            let mut more = parted.clone();
+            if !self.part_narrow(splitter, &mut more)? {
+                return Ok(());
+            }
+            let Some(packed) = fitting(again(&more.unwrapped))? else { return Ok(()) };
+            *parted = Parted { packed, ..more };
+        }
     }
 
     /// The largest chart, and the cuts of it that are no longer than `most`, the most promising first.
