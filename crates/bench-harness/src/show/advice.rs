@@ -96,6 +96,8 @@ fn rung(rung: &RungRecord) -> String {
     }
 }
 
+const CUT_DISKS: &str = "--cut-disks, which cuts disks, too, where they stretch";
+
 /// What to try next with charts that are not as asked. In an atlas, disks are cut, too: nothing more is to be cut there.
 pub(crate) fn next_for_charts(record: &Record) -> Option<String> {
     let atlas = record.atlas.as_ref()?;
@@ -107,6 +109,9 @@ pub(crate) fn next_for_charts(record: &Record) -> Option<String> {
             "not valid"
         }
         _ if !termination.is_as_asked() => "not converged",
+        _ if !atlas.settings.cuts_disks() && atlas.charts.iter().any(|chart| chart.stretch_l2 > atlas.max_stretch) => {
+            return Some(format!("a chart stretches more than asked{TRY}{CUT_DISKS}"));
+        }
         _ => return stretched(record, true),
     };
     let mut tries = match termination {
@@ -115,7 +120,7 @@ pub(crate) fn next_for_charts(record: &Record) -> Option<String> {
         _ => vec!["more --max-iterations"],
     };
     if termination != Termination::TimeLimit && !atlas.settings.cuts_disks() {
-        tries.insert(0, "--cut-disks, which cuts disks, too, where they stretch");
+        tries.insert(0, CUT_DISKS);
     }
     Some(format!("{what}{TRY}{}", tries.join(OR)))
 }
@@ -128,7 +133,9 @@ fn stretched(record: &Record, may_cut: bool) -> Option<String> {
     (stretch > OF_LITTLE_USE).then(|| {
         let stretch = significant(stretch, 2);
         let is_cut = record.atlas.as_ref().is_some_and(|atlas| atlas.settings.cuts_disks());
+        let is_smaller = record.atlas.as_ref().is_some_and(|atlas| atlas.charts.iter().any(|chart| chart.scale < 1.0));
         let way_out = match (may_cut, is_cut) {
+            (true, true) if is_smaller => "--max-chart-length inf, which makes no chart smaller than the others",
             (true, false) => "--cut-disks, which cuts the mesh where it stretches",
             (true, true) => "a smaller --max-stretch",
             (false, _) => "to cut the mesh where it stretches",
