@@ -15,6 +15,8 @@ and works in a process that was forked. Bad input raises an `AbfError`, which is
 take more than `max_memory` a `MemoryError`; an argument of a wrong type a `TypeError`.
 """
 
+import atexit as _atexit
+
 from ._abf import (
     AbfError,
     FormatError,
@@ -27,12 +29,16 @@ from ._abf import (
     __version__,
     solvers,
 )
+from ._abf import end_calls as _end_calls
 from ._files import parse, read, write
 from ._flatten import flatten
 from ._judge import certify, metrics
 from ._pack import pack
 from ._results import Certificate, Flattening, MeshFile, Metrics, Packed, Progress, Unwrapped
 from ._unwrap import unwrap
+
+# Calls of daemon threads end before the interpreter does.
+_atexit.register(_end_calls)
 
 __all__ = [
     "AbfError",

@@ -21,6 +21,7 @@ mod judge;
 mod pack;
 mod pools;
 mod results;
+mod running;
 mod settings;
 mod supervise;
 mod unwrap;
@@ -42,6 +43,8 @@ mod _abf {
     use crate::judge::{certify, metrics};
     #[pymodule_export]
     use crate::pack::pack;
+    #[pymodule_export]
+    use crate::running::end_calls;
     #[pymodule_export]
     use crate::unwrap::unwrap;
     use pyo3::prelude::*;

@@ -5,6 +5,7 @@
 //! moment, sees to signals and progress, and aborts the work when either raises.
 
 use crate::pools::Lease;
+use crate::running::{self, Running};
 use abf::{Event, Observer, Stage, UnwrapProgress, Verdict};
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -57,6 +58,7 @@ impl Supervision {
         py: Python<'_>,
         work: impl FnOnce(&mut (dyn Observer + Send)) -> PyResult<T> + Send,
     ) -> PyResult<T> {
+        let _running = Running::new();
         let lease = Lease::new(py, self.threads)?;
         let result = py.detach(|| self.supervised(&lease, work));
         lease.give_back(py);
@@ -97,6 +99,7 @@ impl Supervision {
 
     /// Sees to signals, and tells of progress.
     fn look_up(&self, shared: &Shared) -> PyResult<()> {
+        running::check()?;
         Python::attach(|py| {
             py.check_signals()?;
             match shared.news.lock().unwrap_or_else(PoisonError::into_inner).take() {

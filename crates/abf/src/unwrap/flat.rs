@@ -3,6 +3,7 @@
 use super::component::Component;
 use super::finish::{Finished, excerpt};
 use crate::{FlattenError, LayoutReport};
+use abf_control::Termination;
 use abf_cut::Chart;
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap, Vector3};
 use abf_metrics::certify_asking;
@@ -25,7 +26,8 @@ impl Component<'_, '_> {
         let (uv, metrics) = excerpt(&piece.mesh, &uv, &certificate, &all, false, &mut go_on)?;
         let layout = LayoutReport { kind: None, linear_residual: None, closing_error: None, ..solved.layout };
         let faces = piece.faces.clone();
-        let flat = Finished { faces, uv, metrics, layout, layout_error: None, ..solved.clone() };
+        let termination = Termination::Converged;
+        let flat = Finished { faces, uv, metrics, layout, termination, layout_error: None, ..solved.clone() };
         Ok(self.fits(&flat).then_some(flat))
     }
 }
