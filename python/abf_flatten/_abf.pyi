@@ -23,6 +23,7 @@ __all__ = [
     "TopologyError",
     "__version__",
     "certify",
+    "end_calls",
     "flatten",
     "metrics",
     "pack",
