@@ -80,21 +80,28 @@ def unwrap_mesh(mesh, settings, selected_only, scale=(1.0, 1.0, 1.0)):
         raise Refused(str(error)) from None
     layer = layer or mesh.uv_layers.new(name=_NAME)
     uv = _get(layer.uv, "vector", 2 * len(mesh.loops), np.float32).reshape(-1, 2)
-    uv[loops] = flat.uvs[flat.indices]
+    written = flat.uvs[flat.indices]
+    uv[loops] = written
+    # Where no other way was found a seam crosses a face. Blender has one UV for each of its corners: the map is another one then.
+    is_crossed = (uv[loops] != written).any(axis=(1, 2))
+    known, crossed = flat.certificate, len(np.unique(of_polygon[is_crossed]))
+    if crossed:
+        known = abf_flatten.certify(positions[used], rows.reshape(-1, 3), uv, loops, precision="single")
     # Not by layer.uv: what is written there reaches the copies that undo keeps.
     mesh.attributes[layer.name].data.foreach_set("vector", uv.ravel())
     if settings.mark_seams:
         _mark(mesh, corners, flat.indices, of_polygon)
     mesh.update()
-    return _report(flat, int(pinned.sum()))
+    return _report(flat, known, crossed, int(pinned.sum()))
 
 
-def _report(flat, pinned):
-    known = flat.certificate
+def _report(flat, known, crossed, pinned):
     proved = "injective" if known.injective else "valid, with overlaps" if known.valid else f"{known.flips} flipped faces"
     text = f"{flat.charts} chart{'s' * (flat.charts != 1)}, stretch {flat.metrics.stretch_l2:.3f}, {proved}"
     if flat.repairs:
         text += f"; repaired: {'; '.join(flat.repairs)}"
+    if crossed:
+        text += f"; seams cross {crossed} faces: triangulate them, or aim at another stretch"
     if pinned:
         text += f"; {pinned} faces with pinned UVs left as they are"
     return Report(known.injective, flat.charts, text)
