@@ -7,11 +7,14 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// How long the end of the interpreter waits at most: longer than the longest step that cannot be interrupted on a mesh of
 /// a million triangles.
 const PATIENCE: Duration = Duration::from_secs(10);
+
+/// How often it looks up.
+const TICK: Duration = Duration::from_millis(2);
 
 static COUNT: AtomicUsize = AtomicUsize::new(0);
 static IS_ENDING: AtomicBool = AtomicBool::new(false);
@@ -54,9 +57,9 @@ pub(crate) fn end_calls(py: Python<'_>) {
     }
     IS_ENDING.store(true, Ordering::SeqCst);
     py.detach(|| {
-        let begin = Instant::now();
-        while COUNT.load(Ordering::SeqCst) > 0 && begin.elapsed() < PATIENCE {
-            thread::sleep(Duration::from_millis(2));
+        let looks = PATIENCE.as_millis() / TICK.as_millis();
+        for _ in (0..looks).take_while(|_| COUNT.load(Ordering::SeqCst) > 0) {
+            thread::sleep(TICK);
         }
     });
 }
