@@ -7,9 +7,10 @@
 //! Passes re-centre, so what comes out meets the conditions and is not the optimum of ABF under them; multipliers of the
 //! last pass are near zero and say nothing of which rows bind. The interior point method finds the optimum.
 
-use crate::{LinAbf, Passes, metric};
+use crate::passes::{Pass, SoFar};
+use crate::{LinAbf, metric};
 use abf_constraints::{AngleProblem, BoundaryConditions, WheelDerivative, largest, linearise};
-use abf_control::{IterationRecord, Observer, StopCriteria, Termination, Watch};
+use abf_control::{IterationRecord, Observer, StopCriteria, Watch};
 use abf_solve_core::{
     AngleSolution, BoundaryTerms, BoundedStep, KktSystem, KktVector, SolveError, StepError, StepReport,
     constraint_residual,
@@ -31,23 +32,8 @@ pub(crate) fn solve(
     observer: &mut dyn Observer,
 ) -> Result<AngleSolution, SolveError> {
     let mut watch = Watch::start(stop, observer);
-    let mut run = BoundedRun::new(problem, conditions, stop, &mut watch)?;
-    let termination = loop {
-        match run.pass(&mut watch) {
-            Ok(()) => {}
-            Err(StepError::Linear(error)) if run.history.is_empty() => return Err(error.into()),
-            // The angles so far are usable; the next guess was not.
-            Err(StepError::Linear(_)) => break Termination::Stalled,
-            Err(StepError::Cancelled(cancelled)) => return Err(cancelled.into()),
-            Err(_) => break watch.interruption().unwrap_or(Termination::Cancelled),
-        }
-        let standing = (run.history.len(), run.best_residual, run.passes_without_improvement);
-        if let Some(end) = linabf.verdict(standing, stop).or(watch.interruption()) {
-            break end;
-        }
-    };
-    let angles = if linabf.passes == Passes::Auto { run.best } else { run.angles };
-    Ok(AngleSolution::measure(problem, angles, termination, run.history))
+    let run = BoundedRun::new(problem, conditions, stop, &mut watch)?;
+    linabf.make_passes(run, problem, stop, &mut watch)
 }
 
 /// The workspace of one solve.
@@ -57,11 +43,7 @@ struct BoundedRun<'p, 'a> {
     step: BoundedStep,
     active: Vec<bool>,
     slack: f64,
-    angles: Vec<f64>,
-    best: Vec<f64>,
-    best_residual: f64,
-    passes_without_improvement: usize,
-    history: Vec<IterationRecord>,
+    so_far: SoFar,
 }
 
 impl<'p, 'a> BoundedRun<'p, 'a> {
@@ -72,7 +54,6 @@ impl<'p, 'a> BoundedRun<'p, 'a> {
         watch: &mut Watch<'_>,
     ) -> Result<Self, SolveError> {
         let step = BoundedStep::new(problem.topology(), problem.rows(), conditions, &mut || watch.checkpoint())?;
-        let angles = problem.initial_guess().to_vec();
         let is_active = |j| conditions.are_equations() && conditions.dropped() != Some(j);
         Ok(Self {
             problem,
@@ -80,42 +61,14 @@ impl<'p, 'a> BoundedRun<'p, 'a> {
             step,
             active: (0..conditions.len()).map(is_active).collect(),
             slack: SLACK * stop.tolerance,
-            best: angles.clone(),
-            angles,
-            best_residual: f64::INFINITY,
-            passes_without_improvement: 0,
-            history: Vec::new(),
+            so_far: SoFar::new(problem),
         })
-    }
-
-    /// One pass: from the last angles, kept inside the bounds, to the least-norm correction.
-    fn pass(&mut self, watch: &mut Watch<'_>) -> Result<(), StepError> {
-        let clamped = self.problem.clamp(&mut self.angles);
-        let clamped_angles = if self.history.is_empty() { self.problem.clamped_angles() } else { clamped };
-        let (report, correction, solves) = self.correction(watch)?;
-        self.angles.iter_mut().zip(&correction).for_each(|(x, e)| *x += e);
-        let (residual, _) = linearise(self.problem.rows(), &self.angles);
-        let off = self.conditions.violation(self.problem.topology(), &self.angles);
-        let record = IterationRecord {
-            iteration: self.history.len() + 1,
-            constraint_residual: constraint_residual(self.problem, &self.angles, &residual).max(off),
-            step: largest(&correction),
-            inner_iterations: solves,
-            inner_residual: report.relative_residual,
-            inner_converged: report.inner_converged,
-            clamped_angles,
-            step_length: 1.0,
-            ..IterationRecord::default()
-        };
-        self.keep_best(record.constraint_residual);
-        self.history.push(record);
-        Ok(watch.iteration(&record)?)
     }
 
     /// The least-norm correction under the conditions, and how many solves it took.
     fn correction(&mut self, watch: &mut Watch<'_>) -> Result<(StepReport, Vec<f64>, usize), StepError> {
-        let (residual, wheel) = linearise(self.problem.rows(), &self.angles);
-        let off = self.conditions.residual(self.problem.topology(), &self.angles);
+        let (residual, wheel) = linearise(self.problem.rows(), &self.so_far.angles);
+        let off = self.conditions.residual(self.problem.topology(), &self.so_far.angles);
         let mut out = KktVector::default();
         let mut solves = 0;
         loop {
@@ -136,7 +89,7 @@ impl<'p, 'a> BoundedRun<'p, 'a> {
         watch: &mut Watch<'_>,
         out: &mut KktVector,
     ) -> Result<(StepReport, Vec<f64>), StepError> {
-        let lambda = metric(&self.angles);
+        let lambda = metric(&self.so_far.angles);
         let kkt = KktSystem {
             topology: self.problem.topology(),
             rows: self.problem.rows(),
@@ -165,13 +118,31 @@ impl<'p, 'a> BoundedRun<'p, 'a> {
         }
         has_changed
     }
+}
 
-    fn keep_best(&mut self, residual: f64) {
-        let improved = residual < crate::IMPROVEMENT * self.best_residual;
-        self.passes_without_improvement = if improved { 0 } else { self.passes_without_improvement + 1 };
-        if residual < self.best_residual {
-            self.best_residual = residual;
-            self.best.clone_from(&self.angles);
-        }
+impl Pass for BoundedRun<'_, '_> {
+    fn so_far(&mut self) -> &mut SoFar {
+        &mut self.so_far
+    }
+
+    /// One pass: from the last angles, kept inside the bounds, to the least-norm correction.
+    fn pass(&mut self, watch: &mut Watch<'_>) -> Result<bool, StepError> {
+        let [_, clamped_angles] = self.so_far.clamp(self.problem);
+        let (report, correction, solves) = self.correction(watch)?;
+        let angles = &mut self.so_far.angles;
+        angles.iter_mut().zip(&correction).for_each(|(x, e)| *x += e);
+        let (residual, _) = linearise(self.problem.rows(), angles);
+        let off = self.conditions.violation(self.problem.topology(), angles);
+        let record = IterationRecord {
+            constraint_residual: constraint_residual(self.problem, angles, &residual).max(off),
+            step: largest(&correction),
+            inner_iterations: solves,
+            inner_residual: report.relative_residual,
+            inner_converged: report.inner_converged,
+            clamped_angles,
+            ..IterationRecord::default()
+        };
+        self.so_far.add(record, watch)?;
+        Ok(true)
     }
 }

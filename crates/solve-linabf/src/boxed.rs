@@ -11,9 +11,10 @@
 //! weights. The bounds and the linearised constraints can contradict each other, and then the set goes around in circles: the
 //! solve ends as [`Termination::Stalled`], with the angles of the last pass that settled.
 
-use crate::{LinAbf, Passes, metric};
+use crate::passes::{Pass, SoFar};
+use crate::{LinAbf, metric};
 use abf_constraints::{AngleProblem, TriangleRows, WheelDerivative, largest, linearise};
-use abf_control::{IterationRecord, Observer, StopCriteria, Termination, Watch};
+use abf_control::{IterationRecord, Observer, StopCriteria, Watch};
 use abf_mesh::FaceId;
 use abf_solve_core::{
     AngleSolution, DirectStep, KktStep, KktSystem, KktVector, SolveError, StepError, StepReport,
@@ -37,24 +38,8 @@ pub(crate) fn solve(
 ) -> Result<AngleSolution, SolveError> {
     let mut watch = Watch::start(stop, observer);
     let step = DirectStep::asking(problem.topology(), problem.rows(), &mut || watch.checkpoint())?;
-    let mut run = BoxedRun::new(problem, error_bound, step);
-    let termination = loop {
-        match run.pass(&mut watch) {
-            Ok(true) => {}
-            // Nothing is held yet: it is the mesh that has no solution.
-            Err(StepError::Linear(error)) if run.is_free() && run.history.is_empty() => return Err(error.into()),
-            // With a set that leaves no solution there is no better one either.
-            Ok(false) | Err(StepError::Linear(_)) => break Termination::Stalled,
-            Err(StepError::Cancelled(cancelled)) => return Err(cancelled.into()),
-            Err(_) => break watch.interruption().unwrap_or(Termination::Cancelled),
-        }
-        let standing = (run.history.len(), run.best_residual, run.passes_without_improvement);
-        if let Some(end) = linabf.verdict(standing, stop).or(watch.interruption()) {
-            break end;
-        }
-    };
-    let angles = if linabf.passes == Passes::Auto { run.best } else { run.angles };
-    Ok(AngleSolution::measure(problem, angles, termination, run.history))
+    let run = BoxedRun::new(problem, error_bound, step);
+    linabf.make_passes(run, problem, stop, &mut watch)
 }
 
 /// Where a corner is held.
@@ -71,11 +56,7 @@ struct BoxedRun<'p, 'a> {
     error_bound: f64,
     step: DirectStep,
     held: Vec<Held>,
-    angles: Vec<f64>,
-    best: Vec<f64>,
-    best_residual: f64,
-    passes_without_improvement: usize,
-    history: Vec<IterationRecord>,
+    so_far: SoFar,
 }
 
 /// The linearisation of a pass.
@@ -100,57 +81,8 @@ impl Here {
 
 impl<'p, 'a> BoxedRun<'p, 'a> {
     fn new(problem: &'p AngleProblem<'a>, error_bound: f64, step: DirectStep) -> Self {
-        let angles = problem.initial_guess().to_vec();
-        Self {
-            problem,
-            error_bound,
-            step,
-            held: vec![Held::Free; angles.len()],
-            best: angles.clone(),
-            angles,
-            best_residual: f64::INFINITY,
-            passes_without_improvement: 0,
-            history: Vec::new(),
-        }
-    }
-
-    /// One pass; `false` when its set does not settle, and the angles stay as they are.
-    fn pass(&mut self, watch: &mut Watch<'_>) -> Result<bool, StepError> {
-        let clamped = self.problem.clamp(&mut self.angles);
-        let clamped_angles = if self.history.is_empty() { self.problem.clamped_angles() } else { clamped };
-        let (residual, wheel) = linearise(self.problem.rows(), &self.angles);
-        let limits = self.angles.iter().map(|x| [-self.error_bound * x, self.error_bound * (PI - x)]).collect();
-        let here = Here { lambda: metric(&self.angles), residual, wheel, limits };
-        self.held.fill(Held::Free);
-        let mut solves = 0;
-        let (report, errors) = loop {
-            let (report, errors, force) = self.errors(&here, watch)?;
-            solves += 1;
-            let has_changed = self.update(&here, &errors, &force);
-            if !has_changed && here.allows(&errors) {
-                break (report, errors);
-            }
-            if !has_changed || solves == SOLVES {
-                return Ok(false);
-            }
-        };
-        self.angles.iter_mut().zip(&errors).for_each(|(x, e)| *x += e);
-        let (residual, _) = linearise(self.problem.rows(), &self.angles);
-        let record = IterationRecord {
-            iteration: self.history.len() + 1,
-            constraint_residual: constraint_residual(self.problem, &self.angles, &residual),
-            step: largest(&errors),
-            inner_iterations: solves,
-            inner_residual: report.relative_residual,
-            inner_converged: report.inner_converged,
-            clamped_angles,
-            step_length: 1.0,
-            ..IterationRecord::default()
-        };
-        self.keep_best(record.constraint_residual);
-        self.history.push(record);
-        watch.iteration(&record)?;
-        Ok(true)
+        let so_far = SoFar::new(problem);
+        Self { problem, error_bound, step, held: vec![Held::Free; so_far.angles.len()], so_far }
     }
 
     /// The errors with the corners held as they are, and `Λ e + Jᵀ μ`: what holds them.
@@ -218,14 +150,51 @@ impl<'p, 'a> BoxedRun<'p, 'a> {
         }
         has_changed
     }
+}
 
-    fn keep_best(&mut self, residual: f64) {
-        let improved = residual < crate::IMPROVEMENT * self.best_residual;
-        self.passes_without_improvement = if improved { 0 } else { self.passes_without_improvement + 1 };
-        if residual < self.best_residual {
-            self.best_residual = residual;
-            self.best.clone_from(&self.angles);
-        }
+impl Pass for BoxedRun<'_, '_> {
+    fn so_far(&mut self) -> &mut SoFar {
+        &mut self.so_far
+    }
+
+    /// One pass; `false` when its set does not settle, or leaves no solution.
+    fn pass(&mut self, watch: &mut Watch<'_>) -> Result<bool, StepError> {
+        let [_, clamped_angles] = self.so_far.clamp(self.problem);
+        let angles = &self.so_far.angles;
+        let (residual, wheel) = linearise(self.problem.rows(), angles);
+        let limits = angles.iter().map(|x| [-self.error_bound * x, self.error_bound * (PI - x)]).collect();
+        let here = Here { lambda: metric(angles), residual, wheel, limits };
+        self.held.fill(Held::Free);
+        let mut solves = 0;
+        let (report, errors) = loop {
+            let (report, errors, force) = match self.errors(&here, watch) {
+                // With nothing held it is the mesh that has no solution.
+                Err(StepError::Linear(_)) if !self.is_free() => return Ok(false),
+                found => found?,
+            };
+            solves += 1;
+            let has_changed = self.update(&here, &errors, &force);
+            if !has_changed && here.allows(&errors) {
+                break (report, errors);
+            }
+            if !has_changed || solves == SOLVES {
+                return Ok(false);
+            }
+        };
+        let angles = &mut self.so_far.angles;
+        angles.iter_mut().zip(&errors).for_each(|(x, e)| *x += e);
+        let (residual, _) = linearise(self.problem.rows(), angles);
+        let record = IterationRecord {
+            constraint_residual: constraint_residual(self.problem, angles, &residual),
+            step: largest(&errors),
+            inner_iterations: solves,
+            inner_residual: report.relative_residual,
+            inner_converged: report.inner_converged,
+            clamped_angles,
+            ..IterationRecord::default()
+        };
+        self.so_far.add(record, watch)?;
+        Ok(true)
     }
 }
 
@@ -240,8 +209,9 @@ fn error_of(held: Held, [least, most]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Passes;
     use abf_constraints::GuessSettings;
-    use abf_control::Silent;
+    use abf_control::{Silent, Termination};
     use abf_mesh::Topology;
     use abf_shapes::Shape;
     use abf_solve_core::AngleSolver;
@@ -258,10 +228,10 @@ mod tests {
         let mut watch = Watch::start(&stop, &mut silent);
         let step = DirectStep::new(problem.topology(), problem.rows()).expect("fits");
         let mut run = BoxedRun::new(problem, error_bound, step);
-        let before = run.angles.clone();
+        let before = run.so_far.angles.clone();
         assert_eq!(run.pass(&mut watch), Ok(true));
         let share = |(x, y): (&f64, &f64)| if y < x { 1.0 - y / x } else { (y - x) / (PI - x) };
-        (before.iter().zip(&run.angles).map(share).fold(0.0, f64::max), run.history[0].inner_iterations)
+        (before.iter().zip(&run.so_far.angles).map(share).fold(0.0, f64::max), run.so_far.history[0].inner_iterations)
     }
 
     #[test]

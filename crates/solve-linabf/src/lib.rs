@@ -23,6 +23,7 @@
 
 mod bounded;
 mod boxed;
+mod passes;
 
 use abf_constraints::{AngleProblem, WheelDerivative, largest, linearise};
 use abf_control::{IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
@@ -31,6 +32,7 @@ use abf_solve_core::{
     AngleSolution, AngleSolver, DirectStep, KktStep, KktSystem, KktVector, LeastCorrection, Linearisation, SolveError,
     StepError, StepReport, constraint_residual,
 };
+use passes::{Pass, SoFar};
 use std::fmt;
 use std::num::NonZeroUsize;
 use std::str::FromStr;
@@ -145,23 +147,8 @@ impl AngleSolver for LinAbf {
         let inner = self.inner(problem, stop, &mut watch)?;
         let first = linearise(problem.rows(), problem.initial_guess());
         watch.checkpoint()?;
-        let mut run = LinAbfRun::new(problem, inner, first);
-        let termination = loop {
-            match run.pass(stop, &mut watch) {
-                Ok(()) => {}
-                Err(StepError::Linear(error)) if run.history.is_empty() => return Err(error.into()),
-                // The angles so far are usable; the next guess was not.
-                Err(StepError::Linear(_)) => break Termination::Stalled,
-                Err(StepError::Cancelled(cancelled)) => return Err(cancelled.into()),
-                Err(_) => break watch.interruption().unwrap_or(Termination::Cancelled),
-            }
-            let standing = (run.history.len(), run.best_residual, run.passes_without_improvement);
-            if let Some(end) = self.verdict(standing, stop).or(watch.interruption()) {
-                break end;
-            }
-        };
-        let angles = if self.passes == Passes::Auto { run.best } else { run.angles };
-        Ok(AngleSolution::measure(problem, angles, termination, run.history))
+        let run = LinAbfRun::new((problem, stop), inner, first);
+        self.make_passes(run, problem, stop, &mut watch)
     }
 }
 
@@ -222,68 +209,23 @@ enum Inner {
 /// The workspace of one solve.
 struct LinAbfRun<'p, 'a> {
     problem: &'p AngleProblem<'a>,
+    stop: &'p StopCriteria,
     inner: Inner,
-    /// The result of the last pass; before the first, the initial guess.
-    angles: Vec<f64>,
-    /// The constraints at `angles` and their derivative.
+    so_far: SoFar,
+    /// The constraints at the angles so far and their derivative.
     residual: Vec<f64>,
     wheel: WheelDerivative,
     /// How far the constraints were off where the last pass started.
     residual_before: f64,
-    /// The result with the smallest residual.
-    best: Vec<f64>,
-    best_residual: f64,
-    passes_without_improvement: usize,
-    history: Vec<IterationRecord>,
 }
 
 impl<'p, 'a> LinAbfRun<'p, 'a> {
-    fn new(problem: &'p AngleProblem<'a>, inner: Inner, (residual, wheel): (Vec<f64>, WheelDerivative)) -> Self {
-        Self {
-            problem,
-            inner,
-            angles: problem.initial_guess().to_vec(),
-            residual,
-            wheel,
-            residual_before: f64::NAN,
-            best: problem.initial_guess().to_vec(),
-            best_residual: f64::INFINITY,
-            passes_without_improvement: 0,
-            history: Vec::new(),
-        }
-    }
-
-    /// One pass: from the last angles, kept inside the bounds, to the least-norm correction.
-    fn pass(&mut self, stop: &StopCriteria, watch: &mut Watch<'_>) -> Result<(), StepError> {
-        let clamped = self.problem.clamp(&mut self.angles);
-        if clamped > 0 {
-            (self.residual, self.wheel) = linearise(self.problem.rows(), &self.angles);
-        }
-        let clamped_angles = if self.history.is_empty() { self.problem.clamped_angles() } else { clamped };
-        let before = largest(&self.residual);
-        let target = self.target(before, stop);
-        let (report, correction) = self.correction(target, watch)?;
-
-        let step = largest(&correction);
-        self.angles.par_iter_mut().with_min_len(PER_TASK).zip(&correction).for_each(|(x, e)| *x += e);
-        (self.residual, self.wheel) = linearise(self.problem.rows(), &self.angles);
-        self.residual_before = before;
-        let record = IterationRecord {
-            iteration: self.history.len() + 1,
-            constraint_residual: constraint_residual(self.problem, &self.angles, &self.residual),
-            step,
-            inner_tolerance: matches!(self.inner, Inner::Inexact(_)).then_some(target),
-            inner_iterations: report.iterations,
-            inner_residual: report.relative_residual,
-            inner_estimate: report.estimate,
-            inner_converged: report.inner_converged,
-            clamped_angles,
-            step_length: 1.0,
-            ..IterationRecord::default()
-        };
-        self.keep_best(record.constraint_residual);
-        self.history.push(record);
-        Ok(watch.iteration(&record)?)
+    fn new(
+        (problem, stop): (&'p AngleProblem<'a>, &'p StopCriteria),
+        inner: Inner,
+        (residual, wheel): (Vec<f64>, WheelDerivative),
+    ) -> Self {
+        Self { problem, stop, inner, so_far: SoFar::new(problem), residual, wheel, residual_before: f64::NAN }
     }
 
     /// The least-norm correction `e` of the angles: `J e = −h`.
@@ -298,7 +240,7 @@ impl<'p, 'a> LinAbfRun<'p, 'a> {
                 Ok((report, out.delta))
             }
             Inner::Direct(inner) => {
-                let lambda = metric(&self.angles);
+                let lambda = metric(&self.so_far.angles);
                 let kkt = KktSystem {
                     topology,
                     rows,
@@ -306,7 +248,7 @@ impl<'p, 'a> LinAbfRun<'p, 'a> {
                     gauss_newton: &lambda,
                     off_diagonal: None,
                     wheel: &self.wheel,
-                    gradient: &vec![0.0; self.angles.len()],
+                    gradient: &vec![0.0; lambda.len()],
                     residual: &self.residual,
                 };
                 let report = inner.step(&kkt, TIGHTEST, watch, &mut out)?;
@@ -320,22 +262,49 @@ impl<'p, 'a> LinAbfRun<'p, 'a> {
     /// What a linearisation leaves out falls with the square of what it starts from, so the last pass tells
     /// how far this one can get. It need not get further: the next one starts from there. Where that is about
     /// the tolerance, this one is to be the last.
-    fn target(&self, now: f64, stop: &StopCriteria) -> f64 {
+    fn target(&self, now: f64) -> f64 {
+        let (stop, history) = (self.stop, &self.so_far.history);
         let last = SAFETY * stop.tolerance;
-        let is_last = self.history.len() + 1 >= stop.max_iterations;
-        let Some(record) = self.history.last().filter(|_| !is_last) else {
+        let is_last = history.len() + 1 >= stop.max_iterations;
+        let Some(record) = history.last().filter(|_| !is_last) else {
             return if is_last { last } else { last.max(FIRST * now.min(now * now)) };
         };
         let reach = record.constraint_residual * (now / self.residual_before).powi(2);
         if reach <= HOPE * stop.tolerance { last } else { reach.min(0.05 * now).max(last) }
     }
+}
 
-    fn keep_best(&mut self, residual: f64) {
-        let improved = residual < IMPROVEMENT * self.best_residual;
-        self.passes_without_improvement = if improved { 0 } else { self.passes_without_improvement + 1 };
-        if residual < self.best_residual {
-            self.best_residual = residual;
-            self.best.clone_from(&self.angles);
+impl Pass for LinAbfRun<'_, '_> {
+    fn so_far(&mut self) -> &mut SoFar {
+        &mut self.so_far
+    }
+
+    /// One pass: from the last angles, kept inside the bounds, to the least-norm correction.
+    fn pass(&mut self, watch: &mut Watch<'_>) -> Result<bool, StepError> {
+        let [clamped, clamped_angles] = self.so_far.clamp(self.problem);
+        if clamped > 0 {
+            (self.residual, self.wheel) = linearise(self.problem.rows(), &self.so_far.angles);
         }
+        let before = largest(&self.residual);
+        let target = self.target(before);
+        let (report, correction) = self.correction(target, watch)?;
+
+        let angles = &mut self.so_far.angles;
+        angles.par_iter_mut().with_min_len(PER_TASK).zip(&correction).for_each(|(x, e)| *x += e);
+        (self.residual, self.wheel) = linearise(self.problem.rows(), angles);
+        self.residual_before = before;
+        let record = IterationRecord {
+            constraint_residual: constraint_residual(self.problem, angles, &self.residual),
+            step: largest(&correction),
+            inner_tolerance: matches!(self.inner, Inner::Inexact(_)).then_some(target),
+            inner_iterations: report.iterations,
+            inner_residual: report.relative_residual,
+            inner_estimate: report.estimate,
+            inner_converged: report.inner_converged,
+            clamped_angles,
+            ..IterationRecord::default()
+        };
+        self.so_far.add(record, watch)?;
+        Ok(true)
     }
 }
