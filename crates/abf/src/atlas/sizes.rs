@@ -1,5 +1,6 @@
 //! Charts that are smaller or larger than the others.
 
+use abf_mesh::{Point2, bounds};
 use abf_pack::Piece;
 use abf_parallel::prelude::*;
 
@@ -31,13 +32,8 @@ pub(super) fn mend(piece: &mut Piece, (scale, times): (&mut f64, &mut u8), texel
 
 /// The longer side of the box of a chart.
 fn longest_side(piece: &Piece) -> f64 {
-    let along = |axis: usize| {
-        let ends = [f64::INFINITY, f64::NEG_INFINITY];
-        let points = piece.polygons.iter().flatten().flatten();
-        let [low, high] = points.fold(ends, |[low, high], p| [low.min(p[axis]), high.max(p[axis])]);
-        high - low
-    };
-    along(0).max(along(1))
+    let points = piece.polygons.iter().flatten().flatten().map(|&p| Point2::from(p));
+    bounds(points).map_or(0.0, |(low, high)| (high - low).max())
 }
 
 /// By what a chart of this width, texels, is made larger so that its triangles do not collapse by rounding: to an eighth of a

@@ -82,9 +82,8 @@ impl Unwrap {
 /// A chart of length l and area a at the scale s = w / l has the area a w² / l². With A the area of the others and c the part of
 /// a page that is covered, c w² = A + Σ a w² / l².
 pub(super) fn shrink_long(charts: &mut [UnwrappedChart], limit: f64) {
-    let triangle = |[p, q, r]: [Point2<f64>; 3]| 0.5 * (q - p).perp(&(r - p)).abs();
     let sizes: Vec<(f64, f64)> =
-        charts.iter().map(|chart| (longest(&chart.uv).0, chart.uv.triangles().map(triangle).sum())).collect();
+        charts.iter().map(|chart| (longest(&chart.uv).0, chart.uv.triangles().map(area_of).sum())).collect();
     let mut order: Vec<usize> = (0..charts.len()).filter(|&i| charts[i].metrics.valid()).collect();
     order.sort_by(|&i, &j| sizes[j].0.total_cmp(&sizes[i].0).then(i.cmp(&j)));
     let all: f64 = sizes.iter().map(|size| size.1).sum();
@@ -104,6 +103,10 @@ pub(super) fn shrink_long(charts: &mut [UnwrappedChart], limit: f64) {
     for i in long {
         charts[i].scale = (width / sizes[i].0).min(1.0);
     }
+}
+
+fn area_of([p, q, r]: [Point2<f64>; 3]) -> f64 {
+    0.5 * (q - p).perp(&(r - p)).abs()
 }
 
 /// The side of the square that so much area covers [`COVERED`] of.
@@ -158,10 +161,7 @@ fn slices(
             connected.unite(f, g);
         }
     }
-    let area = |f: usize| {
-        let [p, q, r] = chart.uv.triangle(FaceId::new(f));
-        0.5 * (q - p).perp(&(r - p)).abs()
-    };
+    let area = |f: usize| area_of(chart.uv.triangle(FaceId::new(f)));
     let least = CRUMB * (0..faces).map(area).sum::<f64>() / count;
     while join_crumbs(&chart.uv, &neighbours, &mut connected, &area, least) {
         checkpoint()?;

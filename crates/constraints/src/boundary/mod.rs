@@ -57,16 +57,6 @@ impl Boundary {
         *self == Self::Free
     }
 
-    /// Whether it speaks of single vertices of the mesh, so that it means one mesh only, uncut.
-    #[must_use]
-    pub fn names_vertices(&self) -> bool {
-        match self {
-            Self::Rectangle(corners) => corners.is_some(),
-            Self::Angles(_) => true,
-            Self::Free | Self::Convex | Self::Below2Pi(_) | Self::Circle => false,
-        }
-    }
-
     /// Checks what can be checked without a mesh.
     ///
     /// # Errors
