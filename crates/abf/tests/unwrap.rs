@@ -341,6 +341,16 @@ fn kept_seams_include_those_that_doubled_vertices_make() {
     assert_eq!(kept.repairs.joined_vertices.count, soup.vertex_count() - twin.vertex_count());
 }
 
+/// The same with a unit square, a component of its own.
+fn with_square_beside(strip: &TriMesh) -> TriMesh {
+    let first = strip.vertex_count();
+    let mut points: Vec<[f64; 3]> = strip.positions().iter().map(|p| [p.x, p.y, p.z]).collect();
+    points.extend([[0.0, 5.0, 0.0], [1.0, 5.0, 0.0], [1.0, 6.0, 0.0], [0.0, 6.0, 0.0]]);
+    let mut faces = indices(strip);
+    faces.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    mesh(&points, &faces)
+}
+
 #[test]
 fn a_long_chart_is_parted_where_it_would_set_the_density_of_all_and_only_in_an_atlas() {
     // A strip of 400 × 1 squares.
@@ -350,19 +360,22 @@ fn a_long_chart_is_parted_where_it_would_set_the_density_of_all_and_only_in_an_a
     let whole = unwrap(&strip);
     assert_eq!((whole.charts.len(), whole.parted), (1, 0), "a disk that asks for no atlas");
     let in_atlas = Unwrap { cut_disks: true, ..Unwrap::default() };
+    let alone = with(&in_atlas, &strip);
+    assert_eq!((alone.charts.len(), alone.parted), (1, 0), "a disk that is all there is");
+    let strip = with_square_beside(&strip);
     let parted = with(&in_atlas, &strip);
-    // A page is √(400 / 0.5) wide.
-    assert_eq!((parted.charts.len(), parted.parted), (15, 1));
-    assert_eq!(parted.charts.iter().map(|chart| chart.faces.len()).sum::<usize>(), 800);
+    // A page is √(401 / 0.5) wide.
+    assert_eq!((parted.charts.len(), parted.parted), (16, 1));
+    assert_eq!(parted.charts.iter().map(|chart| chart.faces.len()).sum::<usize>(), 802);
     assert!(parted.charts.iter().all(|chart| chart.metrics.injective() && chart.metrics.stretch_l2 < 1.0 + 1e-9));
     let unlimited = Unwrap { max_chart_length: None, ..in_atlas.clone() };
-    assert_eq!(with(&unlimited, &strip).charts.len(), 1);
+    assert_eq!(with(&unlimited, &strip).charts.len(), 2);
     // Diagonals of squares are no seams.
     let diagonal = |f: usize| if f.is_multiple_of(2) { [false, true, false] } else { [false, false, true] };
-    let diagonals: Vec<bool> = (0..800).flat_map(diagonal).collect();
+    let diagonals: Vec<bool> = (0..802).flat_map(diagonal).collect();
     let hints = SurfaceHints { forbidden: Some(&diagonals), ..SurfaceHints::default() };
     let kept = in_atlas.run(&strip, &hints, &mut Silent).expect("charts");
-    assert!(kept.charts.len() > 1 && kept.charts.iter().all(|chart| chart.faces.len() % 2 == 0));
+    assert!(kept.charts.len() > 2 && kept.charts.iter().all(|chart| chart.faces.len() % 2 == 0));
 }
 
 #[test]
@@ -375,15 +388,28 @@ fn a_long_chart_of_large_polygons_is_parted_between_them_whatever_the_order_of_t
     };
     let mut faces = vec![[0; 3]; 800];
     (0..800).for_each(|t| faces[7 * t % 800] = triangle(t));
-    let strip = mesh(&points, &faces);
+    let strip = with_square_beside(&mesh(&points, &faces));
     // The corners that face the diagonal, and the next or the last square.
     let is_inside =
         |t: usize| if t.is_multiple_of(2) { [t % 20 != 18, true, false] } else { [false, t % 20 != 1, true] };
-    let mut inside = vec![false; 2400];
+    let mut inside = vec![false; 2406];
     (0..800).for_each(|t| inside[3 * (7 * t % 800)..][..3].copy_from_slice(&is_inside(t)));
     let hints = SurfaceHints { forbidden: Some(&inside), ..SurfaceHints::default() };
     let in_atlas = Unwrap { cut_disks: true, max_chart_length: Some(2.0), ..Unwrap::default() };
     let parted = in_atlas.run(&strip, &hints, &mut Silent).expect("charts");
-    assert!(parted.parted == 1 && parted.charts.len() > 1, "{} charts", parted.charts.len());
-    assert!(parted.charts.iter().all(|chart| chart.faces.len().is_multiple_of(20) && chart.metrics.injective()));
+    assert!(parted.parted == 1 && parted.charts.len() > 2, "{} charts", parted.charts.len());
+    let is_whole = |faces: usize| faces == 2 || faces.is_multiple_of(20);
+    assert!(parted.charts.iter().all(|chart| is_whole(chart.faces.len()) && chart.metrics.injective()));
+}
+
+#[test]
+fn a_flat_disk_keeps_angles_that_no_solver_starts_from() {
+    for width in [1e4, 1e6] {
+        let points = [[0.0, 0.0, 3.0], [width, 0.0, 3.0], [width, 1.0, 3.0], [0.0, 1.0, 3.0]];
+        let rectangle = mesh(&points, &[[0, 1, 2], [0, 2, 3]]);
+        let flat = with(&Unwrap { cut_disks: true, ..Unwrap::default() }, &rectangle);
+        assert_eq!(flat.charts.len(), 1);
+        let metrics = &flat.charts[0].metrics;
+        assert!(metrics.injective() && metrics.stretch_linf < 1.0 + 1e-12, "{width}: L∞ {}", metrics.stretch_linf);
+    }
 }

@@ -114,6 +114,7 @@ pub struct AngleProblem<'a> {
     shapeless_faces: usize,
     /// How many angles of the surface are beyond the bounds and may stay there.
     thin_corners: usize,
+    expected: Option<Vec<f64>>,
     boundary: Option<BoundaryConditions>,
 }
 
@@ -189,6 +190,7 @@ impl<'a> AngleProblem<'a> {
             clamped_angles,
             shapeless_faces,
             thin_corners,
+            expected: None,
             boundary: None,
         })
     }
@@ -212,6 +214,25 @@ impl<'a> AngleProblem<'a> {
         self.clamped_angles = clamp(&self.settings, &self.mesh_angles, self.thin_corners, &mut self.initial_guess);
         self.switched_rings = 0;
         self
+    }
+
+    /// The same, with angles near which the solution is expected, one per corner, rad; they are kept inside the bounds.
+    /// They decide where LinABF linearises first, and nothing else: what the solution is to be close to stays.
+    ///
+    /// # Panics
+    /// If there is not one angle per corner.
+    #[must_use]
+    pub fn with_expected(mut self, mut angles: Vec<f64>) -> Self {
+        assert_eq!(angles.len(), self.initial_guess.len(), "one angle per corner");
+        let _ = self.clamp(&mut angles);
+        self.expected = Some(angles);
+        self
+    }
+
+    /// Angles near which the solution is expected, if that is known.
+    #[must_use]
+    pub fn expected(&self) -> Option<&[f64]> {
+        self.expected.as_deref()
     }
 
     /// The conditions on the boundary, if there are any.

@@ -5,38 +5,69 @@ use crate::seams::ends;
 use crate::{EdgeCosts, Seams};
 use abf_mesh::{DisjointSets, Topology, VertexId};
 
-/// Joins vertices to the seam by a Steiner tree of at most twice the least cost (Mehlhorn 1988), and says how many edges
-/// that took.
-///
-/// What was a disk stays one. The boundary counts as seam. A terminal to which no way of finite cost leads is left out,
-/// and so are all where there is neither seam nor boundary.
-pub fn extend(topology: &Topology, costs: &EdgeCosts, seams: &mut Seams, terminals: &[VertexId]) -> usize {
-    let before = seams.len();
-    let root = cut_vertices(topology, seams).map(|v| (v, 0));
-    let labelled = (1..).zip(terminals).map(|(label, &v)| (v, label));
-    let tree = ShortestPathTree::grow(topology, costs, root.chain(labelled));
-    let bridges = tree.bridges(topology, costs, terminals.len() + 1);
-    let mut joined = DisjointSets::new(terminals.len() + 1);
-    let labels_at = |c| ends(topology, c).map(|v| tree.label(v).unwrap_or(0) as usize);
-    for [a, b] in bridges.iter().map(|&c| labels_at(c)) {
-        joined.unite(a, b);
+/// The cheapest ways from the vertices of a surface to its seam, kept while the seam grows: what is far from where it grows
+/// is not looked at again.
+pub struct SeamWays {
+    tree: ShortestPathTree,
+}
+
+impl SeamWays {
+    /// Finds the ways to a seam. The boundary counts as seam.
+    #[must_use]
+    pub fn new(topology: &Topology, costs: &EdgeCosts, seams: &Seams) -> Self {
+        Self { tree: ShortestPathTree::grow(topology, costs, cut_vertices(topology, seams).map(|v| (v, 0))) }
     }
-    for edge in bridges {
-        if joined.find(labels_at(edge)[0]) == joined.find(0) {
-            seams.insert(topology, edge);
-            for end in ends(topology, edge) {
-                tree.trace(topology, end).for_each(|way| seams.insert(topology, way));
+
+    /// The cost of the cheapest way from a vertex to the seam; infinite where there is none.
+    #[must_use]
+    pub fn distance(&self, vertex: VertexId) -> f64 {
+        self.tree.distance(vertex)
+    }
+
+    /// Joins vertices to the seam by a Steiner tree of at most twice the least cost (Mehlhorn 1988), and says how many edges
+    /// that took. Topology, costs and seams are those of [`SeamWays::new`], and the seams what this made of them.
+    ///
+    /// What was a disk stays one. A terminal to which no way of finite cost leads is left out, and so are all where there is
+    /// neither seam nor boundary.
+    pub fn extend(
+        &mut self,
+        topology: &Topology,
+        costs: &EdgeCosts,
+        seams: &mut Seams,
+        terminals: &[VertexId],
+    ) -> usize {
+        let before = seams.len();
+        let mut tree = self.tree.clone();
+        tree.add(topology, costs, terminals.iter().copied().zip(1..));
+        let bridges = tree.bridges(topology, costs, terminals.len() + 1);
+        let mut joined = DisjointSets::new(terminals.len() + 1);
+        let labels_at = |c| ends(topology, c).map(|v| tree.label(v).unwrap_or(0) as usize);
+        for [a, b] in bridges.iter().map(|&c| labels_at(c)) {
+            joined.unite(a, b);
+        }
+        let mut cut = Vec::new();
+        for edge in bridges {
+            if joined.find(labels_at(edge)[0]) == joined.find(0) {
+                cut.push(edge);
+                ends(topology, edge).into_iter().for_each(|end| cut.extend(tree.trace(topology, end)));
             }
         }
+        cut.iter().for_each(|&edge| seams.insert(topology, edge));
+        self.tree.add(topology, costs, cut.iter().flat_map(|&edge| ends(topology, edge)).map(|v| (v, 0)));
+        seams.len() - before
     }
-    seams.len() - before
 }
 
 /// The cost of the cheapest way from every vertex to a seam or the boundary; infinite where there is none.
 #[must_use]
 pub fn distances(topology: &Topology, costs: &EdgeCosts, seams: &Seams) -> Vec<f64> {
-    let tree = ShortestPathTree::grow(topology, costs, cut_vertices(topology, seams).map(|v| (v, 0)));
-    topology.vertices().map(|v| tree.distance(v)).collect()
+    let ways = SeamWays::new(topology, costs, seams);
+    topology.vertices().map(|v| ways.distance(v)).collect()
+}
+
+/// Joins vertices to a seam: [`SeamWays::extend`], once.
+pub fn extend(topology: &Topology, costs: &EdgeCosts, seams: &mut Seams, terminals: &[VertexId]) -> usize {
+    SeamWays::new(topology, costs, seams).extend(topology, costs, seams, terminals)
 }
 
 /// The vertices on the boundary, then those at the ends of seams; some of them more than once.
@@ -63,9 +94,24 @@ mod tests {
         let charts = split(&mesh, &topology, &seams).expect("a chart");
         charts[0].topology.require_disk().expect("a disk");
         assert_eq!(extend(&topology, &costs, &mut seams, &[at(4, 5)]), 0);
-        let way = distances(&topology, &costs, &seams);
-        assert_eq!((way[at(0, 3).index()], way[at(4, 5).index()]), (0.0, 0.0));
-        assert_eq!(way[at(3, 3).index()], 2.0);
+        let ways = SeamWays::new(&topology, &costs, &seams);
+        assert_eq!((ways.distance(at(0, 3)), ways.distance(at(4, 5)), ways.distance(at(3, 3))), (0.0, 0.0, 2.0));
+    }
+
+    #[test]
+    fn ways_that_grow_with_the_seam_are_those_that_are_found_anew() {
+        let mesh = sheet(14, 9);
+        let topology = topology(&mesh);
+        let costs = EdgeCosts::new(&mesh, &topology, &CostSettings::LENGTH, |c| c.index().is_multiple_of(5));
+        let mut seams = Seams::none(&topology);
+        let mut ways = SeamWays::new(&topology, &costs, &seams);
+        for terminals in [[37, 91], [64, 52], [81, 82]].map(|pair| pair.map(VertexId::new)) {
+            assert!(ways.extend(&topology, &costs, &mut seams, &terminals) > 0);
+            let anew = distances(&topology, &costs, &seams);
+            topology.vertices().for_each(|v| assert_eq!(ways.distance(v), anew[v.index()], "{v:?}"));
+            let charts = split(&mesh, &topology, &seams).expect("a chart");
+            charts[0].topology.require_disk().expect("a disk");
+        }
     }
 
     #[test]

@@ -43,7 +43,7 @@ pub use borders::{label_borders, uv_borders};
 pub use chart::{Chart, split, split_asking};
 pub use conformal::ConformalScale;
 pub use costs::{CostSettings, EdgeCosts};
-pub use extend::{distances, extend};
+pub use extend::{SeamWays, distances, extend};
 pub use holes::{Filled, HoleFilling, fill, loop_length, outer_loop};
 pub use nets::{HardSurface, PlanarFacets, hard_surface, hard_surface_asking, planar_facets};
 pub use open::open;

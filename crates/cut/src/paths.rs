@@ -10,6 +10,7 @@ use std::collections::BinaryHeap;
 const NONE: u32 = u32::MAX;
 
 /// How far every vertex is from the nearest source, and the way there.
+#[derive(Clone)]
 pub(crate) struct ShortestPathTree {
     distance: Vec<f64>,
     /// The edge towards the source, by a corner that faces it; `None` at sources.
@@ -28,10 +29,24 @@ impl ShortestPathTree {
     ) -> Self {
         let n = topology.vertex_count();
         let mut tree = Self { distance: vec![f64::INFINITY; n], towards: vec![None; n], label: vec![NONE; n] };
+        tree.add(topology, costs, sources);
+        tree
+    }
+
+    /// Adds sources: only what is nearer to them than to those before is looked at again. A vertex that an earlier
+    /// source reaches at no cost is none.
+    pub(crate) fn add(
+        &mut self,
+        topology: &Topology,
+        costs: &EdgeCosts,
+        sources: impl IntoIterator<Item = (VertexId, u32)>,
+    ) {
+        let tree = self;
         let mut heap = BinaryHeap::new();
         for (v, label) in sources {
-            if tree.label[v.index()] == NONE {
+            if tree.distance[v.index()] > 0.0 {
                 tree.distance[v.index()] = 0.0;
+                tree.towards[v.index()] = None;
                 tree.label[v.index()] = label;
                 heap.push(Reverse((0_u64, v)));
             }
@@ -52,7 +67,6 @@ impl ShortestPathTree {
                 }
             }
         }
-        tree
     }
 
     /// The distance to the nearest source; infinite where there is no way.

@@ -24,6 +24,20 @@ enum Shape {
     Any,
 }
 
+/// What is known of a mesh before it is flattened, and what is enough.
+#[derive(Clone, Copy)]
+pub(crate) struct Prospect<'p> {
+    /// An L² stretch that is as good as 1: where a mesh could be solved in two ways, the second is tried only if the first
+    /// misses that.
+    pub(crate) enough: f64,
+    /// Angles near which those of the map are expected, one per corner, rad: see [`AngleProblem::with_expected`].
+    pub(crate) expected: Option<&'p [f64]>,
+}
+
+impl Prospect<'_> {
+    const NOTHING: Self = Self { enough: 1.0, expected: None };
+}
+
 /// Flattens a disk with the default settings.
 ///
 /// # Errors
@@ -38,21 +52,20 @@ impl Pipeline {
     /// # Errors
     /// [`FlattenError`] when there is no usable result at all.
     pub fn run(&self, mesh: &TriMesh, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
-        self.run_on(mesh, Shape::Disk, 1.0, observer)
+        self.run_on(mesh, Shape::Disk, Prospect::NOTHING, observer)
     }
 
-    /// Flattens a disk for someone to whom an L² stretch of `enough` is as good as 1: where a mesh could be solved in two ways,
-    /// the second is tried only if the first misses that.
+    /// Flattens a disk of which something is known.
     ///
     /// # Errors
     /// [`FlattenError`] when there is no usable result at all.
     pub(crate) fn run_within(
         &self,
         mesh: &TriMesh,
-        enough: f64,
+        prospect: Prospect<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Flattening, FlattenError> {
-        self.run_on(mesh, Shape::Disk, enough, observer)
+        self.run_on(mesh, Shape::Disk, prospect, observer)
     }
 
     /// The same for a component without handles as if its holes were not there: nothing sees to it that they close.
@@ -62,17 +75,17 @@ impl Pipeline {
     pub(crate) fn run_unclosed(
         &self,
         mesh: &TriMesh,
-        enough: f64,
+        prospect: Prospect<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Flattening, FlattenError> {
-        self.run_on(mesh, Shape::Any, enough, observer)
+        self.run_on(mesh, Shape::Any, prospect, observer)
     }
 
     fn run_on(
         &self,
         mesh: &TriMesh,
         shape: Shape,
-        enough: f64,
+        prospect: Prospect<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Flattening, FlattenError> {
         self.check()?;
@@ -92,9 +105,15 @@ impl Pipeline {
         ask(observer, Event::Working)?;
         let topology = topology?;
         let angles = angles?;
-        let pose = |initial_guess: GuessSettings, angles: Vec<f64>| match shape {
-            Shape::Disk => AngleProblem::new(&topology, angles, initial_guess),
-            Shape::Any => AngleProblem::unclosed(&topology, angles, initial_guess),
+        let pose = |initial_guess: GuessSettings, angles: Vec<f64>| {
+            let problem = match shape {
+                Shape::Disk => AngleProblem::new(&topology, angles, initial_guess)?,
+                Shape::Any => AngleProblem::unclosed(&topology, angles, initial_guess)?,
+            };
+            Ok::<_, ProblemError>(match prospect.expected {
+                Some(expected) => problem.with_expected(expected.to_vec()),
+                None => problem,
+            })
         };
         let solve = |problem: &AngleProblem<'_>, pipeline: &Self, observer: &mut dyn Observer| {
             let given = Given { pipeline, original: mesh, mesh: working, scale, problem };
@@ -116,7 +135,7 @@ impl Pipeline {
             return flat;
         }
         let bounded = pose(GuessSettings { keep_thin: false, ..self.initial_guess }, angles)?;
-        thin::better(mesh, enough, flat, observer, |own, observer| {
+        thin::better(mesh, prospect.enough, flat, observer, |own, observer| {
             // A rung that goes on to the optimum comes to the same one from either start.
             let is_optimal = own.is_some_and(|kind| matches!(kind, SolverKind::Barrier | SolverKind::Descent));
             let solver = match &self.solver {

@@ -37,13 +37,35 @@ impl Finished {
         chart: &Chart,
         real: usize,
         uv: &UvMap,
+        how: (SolverKind, Termination),
+        precision: Precision,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, FlattenError> {
+        Self::of_points(chart, (real, uv, true), how, precision, checkpoint)
+    }
+
+    /// A piece that is flat as it is, in the coordinates of its plane.
+    pub(super) fn of_flat(
+        piece: &Chart,
+        uv: &UvMap,
+        how: (SolverKind, Termination),
+        precision: Precision,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, FlattenError> {
+        let flat = Self::of_points(piece, (piece.mesh.face_count(), uv, false), how, precision, checkpoint)?;
+        Ok(Self { faces: piece.faces.clone(), is_unfinished: false, ..flat })
+    }
+
+    fn of_points(
+        chart: &Chart,
+        (real, uv, is_scaled): (usize, &UvMap, bool),
         (solver, termination): (SolverKind, Termination),
         precision: Precision,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, FlattenError> {
         let faces: Vec<FaceId> = (0..real).map(FaceId::new).collect();
         let certificate = certify_asking(&chart.mesh, uv, precision, checkpoint)?;
-        let (uv, metrics) = excerpt(&chart.mesh, uv, &certificate, &faces, true, checkpoint)?;
+        let (uv, metrics) = excerpt(&chart.mesh, uv, &certificate, &faces, is_scaled, checkpoint)?;
         let layout = LayoutReport {
             kind: None,
             linear_residual: None,

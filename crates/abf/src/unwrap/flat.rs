@@ -1,33 +1,26 @@
 //! Pieces that are flat as they are.
 
 use super::component::Component;
-use super::finish::{Finished, excerpt};
-use crate::{FlattenError, LayoutReport};
+use super::finish::Finished;
+use crate::FlattenError;
 use abf_control::Termination;
 use abf_cut::Chart;
-use abf_mesh::{FaceId, Point2, TriMesh, UvMap, Vector3};
-use abf_metrics::certify_asking;
+use abf_mesh::{Point2, TriMesh, UvMap, Vector3};
 
 /// Points nearer to a plane than this part of the extent lie in it.
 const IN_PLANE: f64 = 1e-12;
 
 impl Component<'_, '_> {
-    /// A flat piece as it lies in its plane, where that is as it should be.
+    /// A flat piece as it lies in its plane, where that is as it should be: there is nothing to solve for.
     ///
     /// The rounding of a layout adds up from face to face, so that sides that only touch may cross. Here they are where the
-    /// mesh has them.
-    pub(super) fn laid_flat(&self, piece: &Chart, solved: &Finished) -> Result<Option<Finished>, FlattenError> {
+    /// mesh has them. Faces so thin that a solver would give them another shape keep theirs.
+    pub(super) fn laid_flat(&self, piece: &Chart) -> Result<Option<Finished>, FlattenError> {
         let Some(points) = in_plane(&piece.mesh) else { return Ok(None) };
         let uv = UvMap::per_vertex(&piece.mesh, &points);
-        let all: Vec<FaceId> = piece.topology.faces().collect();
+        let how = (self.pipeline_of_first_rung().solver.kind(), Termination::Converged);
         let precision = self.settings.pipeline.precision;
-        let mut go_on = || self.go_on();
-        let certificate = certify_asking(&piece.mesh, &uv, precision, &mut go_on)?;
-        let (uv, metrics) = excerpt(&piece.mesh, &uv, &certificate, &all, false, &mut go_on)?;
-        let layout = LayoutReport { kind: None, linear_residual: None, closing_error: None, ..solved.layout };
-        let faces = piece.faces.clone();
-        let termination = Termination::Converged;
-        let flat = Finished { faces, uv, metrics, layout, termination, layout_error: None, ..solved.clone() };
+        let flat = Finished::of_flat(piece, &uv, how, precision, &mut || self.go_on())?;
         Ok(self.fits(&flat).then_some(flat))
     }
 }

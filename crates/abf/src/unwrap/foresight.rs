@@ -5,7 +5,7 @@ use super::surface::Surface;
 use abf_control::{Cancelled, Checkpoint};
 use abf_cut::{Chart, ConformalScale, Seams};
 use abf_linalg::LinearError;
-use abf_mesh::{Topology, TriMesh};
+use abf_mesh::{Topology, TriMesh, VertexId};
 
 /// So many rounds in a row without [`PROGRESS`] end the cutting of a piece.
 const PATIENCE: usize = 8;
@@ -35,12 +35,14 @@ pub(super) struct Foresight {
     system: Option<(usize, Option<ConformalScale>)>,
     /// The last stretch foreseen.
     l2: Option<f64>,
+    /// The logarithm of the scale at every vertex that it was foreseen with.
+    log_scale: Option<Vec<f64>>,
 }
 
 impl Foresight {
     pub(super) fn new(max_stretch: f64) -> Self {
         let worth_trying = 1.0 + CAUTION * (max_stretch - 1.0);
-        Self { max_stretch, worth_trying, system: None, l2: None }
+        Self { max_stretch, worth_trying, system: None, l2: None, log_scale: None }
     }
 
     /// Whether it would be a waste of time to flatten a piece as it is.
@@ -73,6 +75,20 @@ impl Foresight {
         self.l2.is_none_or(|l2| l2 <= FLAT)
     }
 
+    /// The angles, rad, of a chart of what was looked at last once its edges are scaled as foreseen; where that leaves no
+    /// triangle, those it has. `None` where nothing is foreseen, or no change.
+    pub(super) fn angles(&self, chart: &Chart) -> Option<Vec<f64>> {
+        let u = self.log_scale.as_ref().filter(|_| !self.is_flat())?;
+        let fits = chart.vertices.iter().all(|v| v.index() < u.len());
+        fits.then(|| scaled_angles(&chart.mesh, |v| u[chart.vertices[v.index()].index()]))
+    }
+
+    /// The same of what was looked at last itself.
+    pub(super) fn angles_as_it_is(&self, mesh: &TriMesh) -> Option<Vec<f64>> {
+        let u = self.log_scale.as_ref().filter(|u| !self.is_flat() && u.len() == mesh.vertex_count())?;
+        Some(scaled_angles(mesh, |v| u[v.index()]))
+    }
+
     /// What was looked at last has a map with this stretch.
     pub(super) fn learn(&mut self, l2: f64) {
         if let Some(foreseen) = self.l2.filter(|&foreseen| foreseen < l2) {
@@ -89,7 +105,7 @@ impl Foresight {
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Option<Stretch>, Cancelled> {
         // What is not known of this surface is not what was known of another.
-        self.l2 = None;
+        (self.l2, self.log_scale) = (None, None);
         let faces = mesh.face_count();
         if self.system.as_ref().is_none_or(|(of, _)| *of != faces) {
             let system = possible(ConformalScale::new(mesh, topology, checkpoint))?;
@@ -100,10 +116,38 @@ impl Foresight {
         let u = possible(system.log_scale(topology, seams))?;
         checkpoint()?;
         // Where no face has an area there is no stretch.
-        let stretch = u.map(|u| Stretch::predicted(mesh, real, &u)).filter(|stretch| !stretch.l2.is_nan());
+        let stretch = u.as_ref().map(|u| Stretch::predicted(mesh, real, u)).filter(|stretch| !stretch.l2.is_nan());
+        self.log_scale = u;
         self.l2 = stretch.as_ref().map(|stretch| stretch.l2);
         Ok(stretch)
     }
+}
+
+/// The angles of a mesh, rad, whose edges are `e^((u_i + u_j) / 2)` times as long.
+fn scaled_angles(mesh: &TriMesh, u: impl Fn(VertexId) -> f64) -> Vec<f64> {
+    let own = mesh.corner_angles();
+    let mut angles = own.clone();
+    for (face, angles) in mesh.faces().iter().zip(angles.as_chunks_mut::<3>().0) {
+        let [p, q, r] = face.map(|v| mesh.positions()[v.index()]);
+        let [a, b, c] = face.map(|v| (-0.5 * u(v)).exp());
+        // Each edge by what faces it; one scale for all three does not matter.
+        let sides = [(r - q).norm() * a, (p - r).norm() * b, (q - p).norm() * c];
+        if let Some(scaled) = angles_of_sides(sides) {
+            *angles = scaled;
+        }
+    }
+    angles
+}
+
+/// The angles that face the sides of a triangle, rad; `None` if there is none.
+fn angles_of_sides([a, b, c]: [f64; 3]) -> Option<[f64; 3]> {
+    // s (s − a) (s − b) (s − c), twice each.
+    let [s, x, y, z] = [a + b + c, b + c - a, c + a - b, a + b - c];
+    if !(x > 0.0 && y > 0.0 && z > 0.0) {
+        return None;
+    }
+    let angle = |near: f64, far: f64, other: f64| 2.0 * (far * other).sqrt().atan2((s * near).sqrt());
+    Some([angle(x, y, z), angle(y, z, x), angle(z, x, y)])
 }
 
 /// Only an abort is an error: without a prediction there are maps.
@@ -175,6 +219,30 @@ mod tests {
         assert!(!is_hopeless(&pyramid(0.1), 1.15));
         assert!(!is_hopeless(&pyramid(0.0), 1.0));
         assert!(!is_hopeless(&piece(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]), 1.0));
+    }
+
+    #[test]
+    fn sides_have_the_angles_that_face_them() {
+        let angles = angles_of_sides([3.0, 4.0, 5.0]).expect("a triangle");
+        let expected = [0.6_f64.asin(), 0.8_f64.asin(), std::f64::consts::FRAC_PI_2];
+        assert!(angles.iter().zip(expected).all(|(x, y)| (x - y).abs() < 1e-15), "{angles:?}");
+        assert!(angles_of_sides([3.0, 4.0, 7.0]).is_none() && angles_of_sides([1.0, 1.0, f64::NAN]).is_none());
+    }
+
+    #[test]
+    fn the_foreseen_angles_of_a_tip_sum_to_about_a_turn() {
+        let piece = pyramid(0.5);
+        let mut foresight = Foresight::new(1.15);
+        foresight.is_hopeless_as_it_is(&piece, &mut || Ok(())).expect("nobody aborts");
+        let foreseen = foresight.angles_as_it_is(&piece.mesh).expect("it is not flat");
+        assert_eq!(foresight.angles(&piece), Some(foreseen.clone()), "it is its own chart");
+        let around_the_tip = |angles: &[f64]| {
+            let corners = piece.topology.corners().filter(|&c| piece.topology.vertex(c) == VertexId::new(8));
+            corners.map(|c| angles[c.index()]).sum::<f64>()
+        };
+        let off = |angles: &[f64]| (std::f64::consts::TAU - around_the_tip(angles)).abs();
+        let own = piece.mesh.corner_angles();
+        assert!(off(&foreseen) < 0.2 * off(&own), "{} for {}", off(&foreseen), off(&own));
     }
 
     /// It would be parted for ever.

@@ -20,6 +20,9 @@ const CRUMB: f64 = 0.25;
 /// Parts are worth it when none is longer than this share of the chart.
 const SHORTER: f64 = 0.6;
 
+/// Parts have more L² stretch than their chart when it is more than so many times as large: the rest is rounding.
+const SAME_STRETCH: f64 = 1.0 + 1e-6;
+
 /// Charts are laid out smaller beside others that have at least this share of the area.
 const LEAST_REST: f64 = 1e-3;
 
@@ -28,9 +31,10 @@ const MOST_OF_PAGE: f64 = 0.5;
 
 impl Unwrap {
     /// Parts the charts of all components that are longer than `limit` page widths, into slices of about one page width.
-    /// A page is as wide as the square that all charts together cover half of. A chart stays whole where a part would have
-    /// more L2 stretch than the chart and the aim, and where its faces are so long that parts are hardly shorter. Gives back
-    /// how many charts were parted.
+    /// A page is as wide as the square that all charts together cover half of. A chart stays whole where the parts would have
+    /// more L² stretch than the chart, where one would have more than the chart and the aim, and where its faces are so long
+    /// that parts are hardly shorter; so does a disk that is one chart and all there is. Gives back how many charts were
+    /// parted.
     pub(super) fn part_long(
         &self,
         limit: f64,
@@ -43,6 +47,10 @@ impl Unwrap {
             let sides = [Some(c), part.chart.topology.opposite(c)];
             sides.into_iter().flatten().any(|c| hints.is_forbidden(repaired.input_corner(part.corner(c))))
         };
+        let is_alone = charts.iter().map(Vec::len).sum::<usize>() == 1;
+        if is_alone && components.iter().all(|part| part.chart.topology.require_disk().is_ok()) {
+            return Ok(0);
+        }
         let area: f64 = charts.iter().flatten().map(|chart| chart.metrics.surface_area).sum();
         let width = page_width(area);
         let mut parted = 0;
@@ -61,8 +69,10 @@ impl Unwrap {
                 // The L2 stretch of a part may be above that of the whole.
                 let worst = parts.iter().map(|part| part.metrics.stretch_l2).fold(0.0, f64::max);
                 let left = parts.iter().map(|part| longest(&part.uv).0).fold(0.0, f64::max);
+                let whole = chart.metrics.stretch_l2;
                 let is_worth_it = parts.len() > 1 && left <= SHORTER * length;
-                if is_worth_it && worst <= chart.metrics.stretch_l2.max(self.max_stretch) {
+                let is_no_worse = worst <= whole.max(self.max_stretch) && stretch_of(&parts) <= SAME_STRETCH * whole;
+                if is_worth_it && is_no_worse {
                     parted += 1;
                     out.extend(parts);
                 } else {
@@ -103,6 +113,13 @@ pub(super) fn shrink_long(charts: &mut [UnwrappedChart], limit: f64) {
     for i in long {
         charts[i].scale = (width / sizes[i].0).min(1.0);
     }
+}
+
+/// The L² stretch of charts at one scale, where each has the area of its surface.
+fn stretch_of(parts: &[Finished]) -> f64 {
+    let weighed = |part: &Finished| part.metrics.surface_area * part.metrics.stretch_l2.powi(2);
+    let area: f64 = parts.iter().map(|part| part.metrics.surface_area).sum();
+    (parts.iter().map(weighed).sum::<f64>() / area).sqrt()
 }
 
 fn area_of([p, q, r]: [Point2<f64>; 3]) -> f64 {

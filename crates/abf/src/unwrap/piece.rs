@@ -8,10 +8,11 @@ use super::scout::Scouted;
 use super::stretch::Stretch;
 use super::surface::Surface;
 use super::{HoleRule, Unwrap};
+use crate::run::Prospect;
 use crate::{FlattenError, Flattening, Pipeline, Solver, SolverKind};
 use abf_constraints::AngleProblem;
 use abf_control::{Cancelled, Event, Observer, Stage, Termination, Verdict, ask};
-use abf_cut::{Chart, HoleFilling, distances, extend};
+use abf_cut::{Chart, HoleFilling};
 use abf_mesh::{Topology, TriMesh, UvMap, VertexId};
 use abf_reconstruct::{LayoutKind, LayoutSettings, layout_asking};
 use abf_solve_core::AngleSolver;
@@ -26,6 +27,10 @@ const MOST_CURVED: f64 = 1.5 * PI;
 impl Component<'_, '_> {
     /// Flattens a piece, or finds that it has to be parted.
     pub(super) fn attempt(&self, piece: &Chart) -> Result<Attempt, FlattenError> {
+        // What lies in a plane has a place there already.
+        if let Some(flat) = self.laid_flat(piece)? {
+            return Ok(Attempt::Done(vec![flat], Vec::new()));
+        }
         let is_disk = piece.topology.require_disk().is_ok();
         let may_stay_open = match self.settings.holes {
             HoleRule::Free => is_planar_with_holes(&piece.topology),
@@ -35,7 +40,7 @@ impl Component<'_, '_> {
         let mut foresight = Foresight::new(self.settings.max_stretch);
         let may_do_as_it_is =
             (is_disk || may_stay_open) && !foresight.is_hopeless_as_it_is(piece, &mut || self.go_on())?;
-        let as_it_is = if may_do_as_it_is { self.as_it_is(piece, is_disk)? } else { None };
+        let as_it_is = if may_do_as_it_is { self.as_it_is(piece, is_disk, &foresight)? } else { None };
         if let Some(attempt) = as_it_is {
             return Ok(attempt);
         }
@@ -55,13 +60,14 @@ impl Component<'_, '_> {
     }
 
     /// The first rung alone: enough for what is flat or nearly so. `None` where more has to be done.
-    fn as_it_is(&self, piece: &Chart, is_disk: bool) -> Result<Option<Attempt>, FlattenError> {
-        let (pipeline, enough) = (self.pipeline_of_first_rung(), self.settings.max_stretch);
-        let mut ear = self.ear();
+    fn as_it_is(&self, piece: &Chart, is_disk: bool, foresight: &Foresight) -> Result<Option<Attempt>, FlattenError> {
+        let (pipeline, mut ear) = (self.pipeline_of_first_rung(), self.ear());
+        let expected = foresight.angles_as_it_is(&piece.mesh);
+        let prospect = Prospect { enough: self.settings.max_stretch, expected: expected.as_deref() };
         let flat = if is_disk {
-            pipeline.run_within(&piece.mesh, enough, &mut ear)
+            pipeline.run_within(&piece.mesh, prospect, &mut ear)
         } else {
-            pipeline.run_unclosed(&piece.mesh, enough, &mut ear)
+            pipeline.run_unclosed(&piece.mesh, prospect, &mut ear)
         };
         let whole = match flat {
             Ok(flat) => self.of_piece(piece, finish(piece, piece.mesh.face_count(), flat, &mut || self.go_on())?),
@@ -81,13 +87,13 @@ impl Component<'_, '_> {
             return Ok(None);
         }
         let chart = surface.chart()?;
-        let Some(flat) = self.first_rung(&chart, true)? else { return Ok(None) };
+        let Some(flat) = self.first_rung(&chart, foresight)? else { return Ok(None) };
         let whole = self.of_piece(piece, finish(&chart, surface.real, flat, &mut || self.go_on())?);
         let whole = Finished { rounds: 1, ..whole };
         self.judged(piece, whole)
     }
 
-    fn pipeline_of_first_rung(&self) -> Pipeline {
+    pub(super) fn pipeline_of_first_rung(&self) -> Pipeline {
         let solver = match &self.settings.pipeline.solver {
             Solver::Auto(ladder) => ladder.linabf.into(),
             other => other.clone(),
@@ -104,10 +110,6 @@ impl Component<'_, '_> {
         if matches!(whole.termination, Termination::Cancelled | Termination::TimeLimit) {
             let last = whole.metrics.valid().then(|| Box::new(whole.clone()));
             return Ok(Some(Attempt::Interrupted(whole.termination, last)));
-        }
-        // What lies in a plane has a place there already.
-        if let Some(flat) = self.laid_flat(piece, &whole)? {
-            return Ok(Some(Attempt::Done(vec![flat], Vec::new())));
         }
         let is_flat = whole.metrics.stretch_l2 <= self.settings.max_stretch;
         if whole.metrics.valid() && whole.termination.is_as_asked() && is_flat {
@@ -176,7 +178,7 @@ impl Component<'_, '_> {
             self.go_on()?;
             let real = surface.real;
             let vertices = surface.mesh.vertex_count();
-            let first_rung = if is_foreseen { self.first_rung(&chart, foresight.is_flat())? } else { None };
+            let first_rung = if is_foreseen { self.first_rung(&chart, foresight)? } else { None };
             let known = first_rung.map(|flat| (flat.uv.clone(), flat));
             let (quick, first_rung) = match known {
                 Some((uv, flat)) => (Ok(uv), Some(flat)),
@@ -194,7 +196,10 @@ impl Component<'_, '_> {
                 let is_enough = |flat: &Flattening| flat.is_certified();
                 let flat = match first_rung.filter(is_enough) {
                     Some(flat) => flat,
-                    None => self.pipeline().run_within(&chart.mesh, self.settings.max_stretch, &mut ear)?,
+                    None => {
+                        let prospect = Prospect { enough: self.settings.max_stretch, expected: None };
+                        self.pipeline().run_within(&chart.mesh, prospect, &mut ear)?
+                    }
                 };
                 let uv = flat.uv.clone();
                 let whole = self.finished(piece, &surface, &chart, flat, round)?;
@@ -224,10 +229,12 @@ impl Component<'_, '_> {
 
     /// A disk by the first rung; `None` where that finds nothing. Only what is flat may have something to gain from angles
     /// below the bound; elsewhere they make many more iterations of it.
-    fn first_rung(&self, chart: &Chart, is_flat: bool) -> Result<Option<Flattening>, FlattenError> {
-        let (mut pipeline, enough) = (self.pipeline_of_first_rung(), self.settings.max_stretch);
-        pipeline.initial_guess.keep_thin &= is_flat;
-        self.tried(pipeline.run_within(&chart.mesh, enough, &mut self.ear()))
+    fn first_rung(&self, chart: &Chart, foresight: &Foresight) -> Result<Option<Flattening>, FlattenError> {
+        let mut pipeline = self.pipeline_of_first_rung();
+        pipeline.initial_guess.keep_thin &= foresight.is_flat();
+        let expected = foresight.angles(chart);
+        let prospect = Prospect { enough: self.settings.max_stretch, expected: expected.as_deref() };
+        self.tried(pipeline.run_within(&chart.mesh, prospect, &mut self.ear()))
     }
 
     /// A chart whose seams are as long as they may be is kept whatever its stretch.
@@ -278,16 +285,14 @@ impl Component<'_, '_> {
     /// Joins the places of largest stretch to the seam; `false` when there is nothing to join.
     pub(super) fn cut_further(&self, surface: &mut Surface, stretch: &Stretch) -> bool {
         let peaks = self.peaks(surface, stretch);
-        extend(&surface.topology, &surface.costs, &mut surface.seams, &peaks) > 0
+        surface.extend(&peaks) > 0
     }
 
     /// The places of largest stretch that are not on the seam.
     pub(super) fn peaks(&self, surface: &Surface, stretch: &Stretch) -> Vec<VertexId> {
         let Unwrap { terminals, spacing, reach, .. } = *self.settings;
-        let Surface { mesh, topology, costs, diagonal, seams, .. } = surface;
-        let way = distances(topology, costs, seams);
-        let may_be = |v: VertexId| way[v.index()] > reach * *diagonal && way[v.index()].is_finite();
-        stretch.peaks(mesh, terminals, spacing * *diagonal, may_be)
+        let may_be = |v: VertexId| surface.way(v) > reach * surface.diagonal && surface.way(v).is_finite();
+        stretch.peaks(&surface.mesh, terminals, spacing * surface.diagonal, may_be)
     }
 
     /// Two passes of LinABF and least squares: near enough to see where the stretch is.

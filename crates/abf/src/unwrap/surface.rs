@@ -1,7 +1,7 @@
 //! A piece with its holes closed, and where it is cut.
 
 use crate::FlattenError;
-use abf_cut::{Chart, EdgeCosts, Filled, HoleFilling, Seams, fill, open, outer_loop, split};
+use abf_cut::{Chart, EdgeCosts, Filled, HoleFilling, SeamWays, Seams, fill, open, outer_loop, split};
 use abf_mesh::{BoundaryLoop, CornerId, Topology, TriMesh, VertexId};
 
 /// A piece with its holes closed, and where it is cut.
@@ -13,6 +13,7 @@ pub(super) struct Surface {
     pub(super) costs: EdgeCosts,
     pub(super) diagonal: f64,
     pub(super) seams: Seams,
+    ways: SeamWays,
     /// The holes that are closed.
     holes: Vec<BoundaryLoop>,
 }
@@ -33,8 +34,20 @@ impl Surface {
             fill(&piece.mesh, &piece.topology, &holes, filling.unwrap_or_default())?;
         let costs = costs(&mesh, &topology, real);
         let seams = open(&topology, &costs);
+        let ways = SeamWays::new(&topology, &costs, &seams);
         let diagonal = mesh.diagonal();
-        Ok(Self { mesh, topology, real, costs, diagonal, seams, holes })
+        Ok(Self { mesh, topology, real, costs, diagonal, seams, ways, holes })
+    }
+
+    /// The cost of the cheapest way from a vertex to the seam or the boundary; infinite where there is none.
+    pub(super) fn way(&self, vertex: VertexId) -> f64 {
+        self.ways.distance(vertex)
+    }
+
+    /// Joins vertices to the seam; how many edges that took.
+    pub(super) fn extend(&mut self, terminals: &[VertexId]) -> usize {
+        let Self { topology, costs, seams, ways, .. } = self;
+        ways.extend(topology, costs, seams, terminals)
     }
 
     pub(super) fn holes_filled(&self) -> usize {
@@ -68,7 +81,8 @@ impl Surface {
             .is_ok_and(|charts| charts.len() == 1 && charts[0].topology.require_disk().is_ok());
         if is_one_disk {
             let costs = costs(&mesh, &topology, real);
-            *self = Self { mesh, topology, real, costs, seams, holes, diagonal: self.diagonal };
+            let ways = SeamWays::new(&topology, &costs, &seams);
+            *self = Self { mesh, topology, real, costs, seams, ways, holes, diagonal: self.diagonal };
         }
         Ok(())
     }
