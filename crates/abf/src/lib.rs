@@ -79,9 +79,10 @@ pub mod control {
 pub mod cut {
     pub use abf_cut::{
         Chart, ConformalScale, CostSettings, EdgeCosts, Filled, Found, HardSurface, HoleFilling, PlanarFacets,
-        RepairError, RepairReport, Repaired, Seams, Welded, distances, extend, fill, hard_surface, hard_surface_asking,
-        label_borders, loop_length, open, outer_loop, planar_facets, repair, repair_asking, repair_with, split,
-        split_asking, two_parts, two_parts_asking, uv_borders, weld, weld_asking, weld_within,
+        RepairError, RepairReport, Repaired, SeamWays, Seams, Welded, distances, extend, fill, hard_surface,
+        hard_surface_asking, label_borders, loop_length, open, outer_loop, planar_facets, repair, repair_asking,
+        repair_with, scaled_angles, split, split_asking, two_parts, two_parts_asking, uv_borders, weld, weld_asking,
+        weld_within,
     };
 }
 

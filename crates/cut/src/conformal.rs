@@ -14,9 +14,9 @@
 
 use crate::Seams;
 use crate::seams::{ends, interior_edges};
-use abf_control::Checkpoint;
+use abf_control::{Cancelled, Checkpoint};
 use abf_linalg::{Graph, LinearError, Permutation, SymbolicCholesky, SymmetricMatrix, SymmetricPattern};
-use abf_mesh::{CornerId, Topology, TriMesh};
+use abf_mesh::{CornerId, Topology, TriMesh, VertexId};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -35,11 +35,21 @@ pub struct ConformalScale {
     is_boundary: Vec<bool>,
 }
 
+/// Where a step of [`ConformalScale::refined`] is.
+struct Scaled {
+    u: Vec<f64>,
+    /// Of the scaled triangles, by corner, rad.
+    angles: Vec<f64>,
+    /// 2π − Σ angles at every vertex, 0 where u is fixed.
+    deficit: Vec<f64>,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Edge {
     ends: [u32; 2],
     slot: u32,
     weight: f64,
+    corners: [CornerId; 2],
 }
 
 impl ConformalScale {
@@ -65,7 +75,8 @@ impl ConformalScale {
         let weight = |c: CornerId, o: CornerId| 0.5 * (cotangents[c.index()] + cotangents[o.index()]);
         let edge = |(ends, (c, o)): ([u32; 2], (CornerId, CornerId))| {
             let [a, b] = ends.map(|v| order.new_index(v as usize));
-            Edge { ends, slot: pattern.slot(a.max(b), a.min(b)) as u32, weight: weight(c, o) }
+            let slot = pattern.slot(a.max(b), a.min(b)) as u32;
+            Edge { ends, slot, weight: weight(c, o), corners: [c, o] }
         };
         let edges = of_edges.into_iter().zip(interior_edges(topology)).map(edge).collect();
         let mut deficit = vec![TAU; size];
@@ -87,13 +98,64 @@ impl ConformalScale {
     /// [`LinearError`]: [`NotPositiveDefinite`](LinearError::NotPositiveDefinite) where there is neither a seam nor a
     /// boundary.
     pub fn log_scale(&self, topology: &Topology, seams: &Seams) -> Result<Vec<f64>, LinearError> {
+        self.solve(&self.fixed(topology, seams), |edge| edge.weight, &self.deficit)
+    }
+
+    /// `u` made better by at most so many steps of Newton's method, each with the angles of the triangles whose edges are
+    /// `e^((u_i + u_j) / 2)` times as long: the scale of the discrete conformal map itself is where they sum to 2π (Springborn,
+    /// Schröder, Pinkall 2008). A step that makes their sums no better is not taken, and is the last.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when the checkpoint ends it.
+    pub fn refined(
+        &self,
+        (mesh, topology): (&TriMesh, &Topology),
+        seams: &Seams,
+        u: Vec<f64>,
+        steps: usize,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let is_fixed = self.fixed(topology, seams);
+        let scaled = |u: Vec<f64>| {
+            let angles = scaled_angles(mesh, |v| u[v.index()]);
+            let deficit = deficits(topology, &angles, &is_fixed);
+            Scaled { u, angles, deficit }
+        };
+        let squares = |here: &Scaled| here.deficit.iter().map(|k| k * k).sum::<f64>();
+        let mut here = scaled(u);
+        for _ in 0..steps {
+            checkpoint()?;
+            let weight =
+                |edge: &Edge| 0.5 * edge.corners.iter().map(|c| here.angles[c.index()].tan().recip()).sum::<f64>();
+            let Ok(step) = self.solve(&is_fixed, weight, &here.deficit) else { break };
+            let next = scaled(here.u.iter().zip(step).map(|(u, step)| u + step).collect());
+            if !(squares(&next) < squares(&here)) {
+                break;
+            }
+            here = next;
+        }
+        Ok(here.u)
+    }
+
+    /// Which vertices have u = 0.
+    fn fixed(&self, topology: &Topology, seams: &Seams) -> Vec<bool> {
         let mut is_fixed = self.is_boundary.clone();
         seams.edges(topology).flat_map(|c| ends(topology, c)).for_each(|v| is_fixed[v.index()] = true);
+        is_fixed
+    }
+
+    /// Solves the system with these weights and angle deficits.
+    fn solve(
+        &self,
+        is_fixed: &[bool],
+        weight: impl Fn(&Edge) -> f64,
+        deficit: &[f64],
+    ) -> Result<Vec<f64>, LinearError> {
         let pattern = Arc::clone(self.symbolic.pattern());
         let mut matrix = SymmetricMatrix::zeros(Arc::clone(&pattern));
         let diagonal = |v: usize| pattern.column(self.order.new_index(v)).start;
-        for &Edge { ends, slot, weight } in &self.edges {
-            let [a, b] = ends.map(|v| v as usize);
+        for edge in &self.edges {
+            let ([a, b], slot, weight) = (edge.ends.map(|v| v as usize), edge.slot, weight(edge));
             // What is fixed is 0, so that it adds nothing to the other side.
             matrix.values[diagonal(a)] += weight;
             matrix.values[diagonal(b)] += weight;
@@ -101,12 +163,12 @@ impl ConformalScale {
                 matrix.values[slot as usize] -= weight;
             }
         }
-        let mut u = vec![0.0; self.deficit.len()];
+        let mut u = vec![0.0; deficit.len()];
         for (v, &is_fixed) in is_fixed.iter().enumerate() {
             if is_fixed {
                 matrix.values[diagonal(v)] = 1.0;
             } else {
-                u[self.order.new_index(v)] = -self.deficit[v];
+                u[self.order.new_index(v)] = -deficit[v];
             }
         }
         self.symbolic.factorise(&matrix)?.apply_inverse(&mut u)?;
@@ -115,6 +177,43 @@ impl ConformalScale {
         }
         Ok((0..u.len()).map(|v| u[self.order.new_index(v)]).collect())
     }
+}
+
+/// 2π − Σ angles at every vertex that is not fixed, rad; 0 at the others.
+fn deficits(topology: &Topology, angles: &[f64], is_fixed: &[bool]) -> Vec<f64> {
+    let mut deficit: Vec<f64> = is_fixed.iter().map(|is_fixed| if *is_fixed { 0.0 } else { TAU }).collect();
+    for (c, angle) in topology.corners().zip(angles) {
+        let v = topology.vertex(c).index();
+        deficit[v] -= if is_fixed[v] { 0.0 } else { *angle };
+    }
+    deficit
+}
+
+/// The angles of a mesh, rad, by corner, whose edges are `e^((u_i + u_j) / 2)` times as long; where that leaves no triangle,
+/// those it has.
+#[must_use]
+pub fn scaled_angles(mesh: &TriMesh, u: impl Fn(VertexId) -> f64) -> Vec<f64> {
+    let mut angles = mesh.corner_angles();
+    for (face, angles) in mesh.faces().iter().zip(angles.as_chunks_mut::<3>().0) {
+        let [p, q, r] = face.map(|v| mesh.positions()[v.index()]);
+        // Each edge by what faces it; one scale for all three does not matter.
+        let [a, b, c] = face.map(|v| (-0.5 * u(v)).exp());
+        if let Some(scaled) = angles_of_sides([(r - q).norm() * a, (p - r).norm() * b, (q - p).norm() * c]) {
+            *angles = scaled;
+        }
+    }
+    angles
+}
+
+/// The angles that face the sides of a triangle, rad; `None` if there is none.
+fn angles_of_sides([a, b, c]: [f64; 3]) -> Option<[f64; 3]> {
+    // s, s − a, s − b and s − c, twice each.
+    let [s, x, y, z] = [a + b + c, b + c - a, c + a - b, a + b - c];
+    if !(x > 0.0 && y > 0.0 && z > 0.0) {
+        return None;
+    }
+    let angle = |near: f64, far: f64, other: f64| 2.0 * (far * other).sqrt().atan2((s * near).sqrt());
+    Some([angle(x, y, z), angle(y, z, x), angle(z, x, y)])
 }
 
 /// By corner.
@@ -137,7 +236,7 @@ mod tests {
     use super::*;
     use crate::test_support::{octahedron, sheet, topology, torus};
     use crate::{CostSettings, EdgeCosts, extend, open};
-    use abf_mesh::{Point3, VertexId};
+    use abf_mesh::Point3;
 
     fn scale_of(mesh: &TriMesh, topology: &Topology, seams: &Seams) -> Vec<f64> {
         let system = ConformalScale::new(mesh, topology, &mut || Ok(())).expect("fits");
@@ -189,6 +288,35 @@ mod tests {
         let after = scale_of(&mesh, &topology, &seams);
         assert!(range(&after) < range(&before), "{} after {}", range(&after), range(&before));
         assert_eq!(after[most], 0.0);
+    }
+
+    #[test]
+    fn sides_have_the_angles_that_face_them() {
+        let angles = angles_of_sides([3.0, 4.0, 5.0]).expect("a triangle");
+        let expected = [0.6_f64.asin(), 0.8_f64.asin(), std::f64::consts::FRAC_PI_2];
+        assert!(angles.iter().zip(expected).all(|(x, y)| (x - y).abs() < 1e-15), "{angles:?}");
+        assert!(angles_of_sides([3.0, 4.0, 7.0]).is_none() && angles_of_sides([1.0, 1.0, f64::NAN]).is_none());
+    }
+
+    #[test]
+    fn a_refined_scale_makes_the_angles_around_every_vertex_a_turn() {
+        let mesh = torus(24, 16);
+        let topology = topology(&mesh);
+        let costs = EdgeCosts::new(&mesh, &topology, &CostSettings::LENGTH, |_| false);
+        let seams = open(&topology, &costs);
+        let system = ConformalScale::new(&mesh, &topology, &mut || Ok(())).expect("fits");
+        let first = system.log_scale(&topology, &seams).expect("a solution");
+        let is_fixed = system.fixed(&topology, &seams);
+        let worst = |u: &[f64]| {
+            let angles = scaled_angles(&mesh, |v| u[v.index()]);
+            deficits(&topology, &angles, &is_fixed).into_iter().fold(0.0, |most: f64, k| most.max(k.abs()))
+        };
+        let refine = |steps| system.refined((&mesh, &topology), &seams, first.clone(), steps, &mut || Ok(()));
+        assert_eq!(refine(0).expect("nobody aborts"), first);
+        let refined = worst(&refine(4).expect("nobody aborts"));
+        assert!(refined < 1e-8 && worst(&first) > 1e-4, "{refined} after {}", worst(&first));
+        let aborted = system.refined((&mesh, &topology), &seams, first, 1, &mut || Err(Cancelled));
+        assert_eq!(aborted, Err(Cancelled));
     }
 
     #[test]

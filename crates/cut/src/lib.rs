@@ -41,7 +41,7 @@ mod weld;
 
 pub use borders::{label_borders, uv_borders};
 pub use chart::{Chart, split, split_asking};
-pub use conformal::ConformalScale;
+pub use conformal::{ConformalScale, scaled_angles};
 pub use costs::{CostSettings, EdgeCosts};
 pub use extend::{SeamWays, distances, extend};
 pub use holes::{Filled, HoleFilling, fill, loop_length, outer_loop};

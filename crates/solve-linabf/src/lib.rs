@@ -218,6 +218,8 @@ struct LinAbfRun<'p, 'a> {
     so_far: SoFar,
     /// `Λ (x − α)` at angles x that no pass has led to; empty for zero.
     gradient: Vec<f64>,
+    /// How far the constraints are off at the initial guess.
+    residual_of_guess: f64,
     /// The constraints at the angles so far and their derivative.
     residual: Vec<f64>,
     wheel: WheelDerivative,
@@ -231,8 +233,9 @@ impl<'p, 'a> LinAbfRun<'p, 'a> {
         inner: Inner,
         (residual, wheel): (Vec<f64>, WheelDerivative),
     ) -> Self {
-        let (so_far, gradient) = (SoFar::new(problem), Vec::new());
-        Self { problem, stop, inner, so_far, gradient, residual, wheel, residual_before: f64::NAN }
+        let (so_far, gradient, residual_of_guess) = (SoFar::new(problem), Vec::new(), largest(&residual));
+        let residual_before = f64::NAN;
+        Self { problem, stop, inner, so_far, gradient, residual_of_guess, residual, wheel, residual_before }
     }
 
     /// Linearises at the angles that are expected, where there are some that meet the constraints better than the initial
@@ -290,6 +293,8 @@ impl<'p, 'a> LinAbfRun<'p, 'a> {
         let last = SAFETY * stop.tolerance;
         let is_last = history.len() + 1 >= stop.max_iterations;
         let Some(record) = history.last().filter(|_| !is_last) else {
+            // From angles that are expected, too, the way is as far as from the guess.
+            let now = now.max(self.residual_of_guess);
             return if is_last { last } else { last.max(FIRST * now.min(now * now)) };
         };
         let reach = record.constraint_residual * (now / self.residual_before).powi(2);

@@ -3,9 +3,9 @@
 use super::stretch::Stretch;
 use super::surface::Surface;
 use abf_control::{Cancelled, Checkpoint};
-use abf_cut::{Chart, ConformalScale, Seams};
+use abf_cut::{Chart, ConformalScale, Seams, scaled_angles};
 use abf_linalg::LinearError;
-use abf_mesh::{Topology, TriMesh, VertexId};
+use abf_mesh::{Topology, TriMesh};
 
 /// So many rounds in a row without [`PROGRESS`] end the cutting of a piece.
 const PATIENCE: usize = 8;
@@ -24,6 +24,9 @@ const FLAT: f64 = 1.001;
 
 /// A map that misses the aim makes what is to be foreseen smaller, above 1: by no more than this factor.
 const LEAST_FACTOR: f64 = 0.5;
+
+/// Angles that are foreseen are refined by so many steps at most.
+const STEPS: usize = 2;
 
 /// What is foreseen of the stretch of one piece: that of a conformal map ([`ConformalScale`]).
 pub(super) struct Foresight {
@@ -89,6 +92,38 @@ impl Foresight {
         Some(scaled_angles(mesh, |v| u[v.index()]))
     }
 
+    /// Makes what is foreseen of a surface that was looked at last better, before its angles are asked for: the stretch that
+    /// it comes to, where there is one.
+    pub(super) fn refine(
+        &mut self,
+        surface: &Surface,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Option<Stretch>, Cancelled> {
+        self.refine_of((&surface.mesh, &surface.topology), &surface.seams, checkpoint)?;
+        let stretch = self.log_scale.as_ref().map(|u| Stretch::predicted(&surface.mesh, surface.real, u));
+        Ok(stretch.filter(|stretch| !stretch.l2.is_nan()))
+    }
+
+    /// The same of a piece as it is.
+    pub(super) fn refine_as_it_is(&mut self, piece: &Chart, checkpoint: &mut Checkpoint<'_>) -> Result<(), Cancelled> {
+        self.refine_of((&piece.mesh, &piece.topology), &Seams::none(&piece.topology), checkpoint)
+    }
+
+    fn refine_of(
+        &mut self,
+        (mesh, topology): (&TriMesh, &Topology),
+        seams: &Seams,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(), Cancelled> {
+        let is_of = |u: &Vec<f64>| u.len() == mesh.vertex_count();
+        if let (Some((_, Some(system))), false) = (&self.system, self.is_flat())
+            && let Some(u) = self.log_scale.take().filter(is_of)
+        {
+            self.log_scale = Some(system.refined((mesh, topology), seams, u, STEPS, checkpoint)?);
+        }
+        Ok(())
+    }
+
     /// What was looked at last has a map with this stretch.
     pub(super) fn learn(&mut self, l2: f64) {
         if let Some(foreseen) = self.l2.filter(|&foreseen| foreseen < l2) {
@@ -121,33 +156,6 @@ impl Foresight {
         self.l2 = stretch.as_ref().map(|stretch| stretch.l2);
         Ok(stretch)
     }
-}
-
-/// The angles of a mesh, rad, whose edges are `e^((u_i + u_j) / 2)` times as long.
-fn scaled_angles(mesh: &TriMesh, u: impl Fn(VertexId) -> f64) -> Vec<f64> {
-    let own = mesh.corner_angles();
-    let mut angles = own.clone();
-    for (face, angles) in mesh.faces().iter().zip(angles.as_chunks_mut::<3>().0) {
-        let [p, q, r] = face.map(|v| mesh.positions()[v.index()]);
-        let [a, b, c] = face.map(|v| (-0.5 * u(v)).exp());
-        // Each edge by what faces it; one scale for all three does not matter.
-        let sides = [(r - q).norm() * a, (p - r).norm() * b, (q - p).norm() * c];
-        if let Some(scaled) = angles_of_sides(sides) {
-            *angles = scaled;
-        }
-    }
-    angles
-}
-
-/// The angles that face the sides of a triangle, rad; `None` if there is none.
-fn angles_of_sides([a, b, c]: [f64; 3]) -> Option<[f64; 3]> {
-    // s (s − a) (s − b) (s − c), twice each.
-    let [s, x, y, z] = [a + b + c, b + c - a, c + a - b, a + b - c];
-    if !(x > 0.0 && y > 0.0 && z > 0.0) {
-        return None;
-    }
-    let angle = |near: f64, far: f64, other: f64| 2.0 * (far * other).sqrt().atan2((s * near).sqrt());
-    Some([angle(x, y, z), angle(y, z, x), angle(z, x, y)])
 }
 
 /// Only an abort is an error: without a prediction there are maps.
@@ -219,14 +227,6 @@ mod tests {
         assert!(!is_hopeless(&pyramid(0.1), 1.15));
         assert!(!is_hopeless(&pyramid(0.0), 1.0));
         assert!(!is_hopeless(&piece(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]), 1.0));
-    }
-
-    #[test]
-    fn sides_have_the_angles_that_face_them() {
-        let angles = angles_of_sides([3.0, 4.0, 5.0]).expect("a triangle");
-        let expected = [0.6_f64.asin(), 0.8_f64.asin(), std::f64::consts::FRAC_PI_2];
-        assert!(angles.iter().zip(expected).all(|(x, y)| (x - y).abs() < 1e-15), "{angles:?}");
-        assert!(angles_of_sides([3.0, 4.0, 7.0]).is_none() && angles_of_sides([1.0, 1.0, f64::NAN]).is_none());
     }
 
     #[test]

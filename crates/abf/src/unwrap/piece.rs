@@ -40,7 +40,7 @@ impl Component<'_, '_> {
         let mut foresight = Foresight::new(self.settings.max_stretch);
         let may_do_as_it_is =
             (is_disk || may_stay_open) && !foresight.is_hopeless_as_it_is(piece, &mut || self.go_on())?;
-        let as_it_is = if may_do_as_it_is { self.as_it_is(piece, is_disk, &foresight)? } else { None };
+        let as_it_is = if may_do_as_it_is { self.as_it_is(piece, is_disk, &mut foresight)? } else { None };
         if let Some(attempt) = as_it_is {
             return Ok(attempt);
         }
@@ -60,7 +60,13 @@ impl Component<'_, '_> {
     }
 
     /// The first rung alone: enough for what is flat or nearly so. `None` where more has to be done.
-    fn as_it_is(&self, piece: &Chart, is_disk: bool, foresight: &Foresight) -> Result<Option<Attempt>, FlattenError> {
+    fn as_it_is(
+        &self,
+        piece: &Chart,
+        is_disk: bool,
+        foresight: &mut Foresight,
+    ) -> Result<Option<Attempt>, FlattenError> {
+        foresight.refine_as_it_is(piece, &mut || self.go_on())?;
         let (pipeline, mut ear) = (self.pipeline_of_first_rung(), self.ear());
         let expected = foresight.angles_as_it_is(&piece.mesh);
         let prospect = Prospect { enough: self.settings.max_stretch, expected: expected.as_deref() };
@@ -87,6 +93,7 @@ impl Component<'_, '_> {
             return Ok(None);
         }
         let chart = surface.chart()?;
+        foresight.refine(&surface, &mut || self.go_on())?;
         let Some(flat) = self.first_rung(&chart, foresight)? else { return Ok(None) };
         let whole = self.of_piece(piece, finish(&chart, surface.real, flat, &mut || self.go_on())?);
         let whole = Finished { rounds: 1, ..whole };
@@ -171,6 +178,17 @@ impl Component<'_, '_> {
                 }
                 Scouted::Unknown => (false, false),
             };
+            let refined = if is_foreseen { foresight.refine(&surface, &mut || self.go_on())? } else { None };
+            // A closer look may tell that a map would miss the aim.
+            let may_go_on = |l2: f64| l2 > self.settings.max_stretch && !is_stalled && !self.is_long(&surface);
+            if let Some(stretch) = refined.filter(|stretch| may_go_on(stretch.l2))
+                && !progress.is_stalled(stretch.l2)
+                && self.cut_further(&mut surface, &stretch)
+            {
+                round += 1;
+                self.release_caps(piece, filling, &mut surface)?;
+                continue;
+            }
             let mut ear = self.ear();
             ear.begin_round(round);
             ask(&mut ear, Event::Working)?;
@@ -220,11 +238,19 @@ impl Component<'_, '_> {
             }
             round += 1;
             self.go_on()?;
-            if let Some(filling) = filling {
-                let costs = |mesh: &TriMesh, topology: &Topology, real: usize| self.costs(piece, mesh, topology, real);
-                surface.release_caps(piece, filling, &costs)?;
-            }
+            self.release_caps(piece, filling, &mut surface)?;
         }
+    }
+
+    /// Takes away the caps of holes that a seam has reached.
+    pub(super) fn release_caps(
+        &self,
+        piece: &Chart,
+        filling: Option<HoleFilling>,
+        surface: &mut Surface,
+    ) -> Result<(), FlattenError> {
+        let costs = |mesh: &TriMesh, topology: &Topology, real: usize| self.costs(piece, mesh, topology, real);
+        filling.map_or(Ok(()), |filling| surface.release_caps(piece, filling, &costs))
     }
 
     /// A disk by the first rung; `None` where that finds nothing. Only what is flat may have something to gain from angles

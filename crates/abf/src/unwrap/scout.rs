@@ -6,7 +6,6 @@ use super::surface::Surface;
 use crate::FlattenError;
 use abf_control::{Event, ask};
 use abf_cut::{Chart, HoleFilling};
-use abf_mesh::{Topology, TriMesh};
 
 /// What came of scouting.
 pub(super) enum Scouted {
@@ -44,10 +43,7 @@ impl Component<'_, '_> {
                 return Ok(if foresight.is_hopeless() { Scouted::Hopeless } else { Scouted::Stalled(cuts) });
             }
             cuts += 1;
-            if let Some(filling) = filling {
-                let costs = |mesh: &TriMesh, topology: &Topology, real: usize| self.costs(piece, mesh, topology, real);
-                surface.release_caps(piece, filling, &costs)?;
-            }
+            self.release_caps(piece, filling, surface)?;
         }
         Ok(Scouted::Promising(cuts))
     }
