@@ -17,6 +17,7 @@ const LAYERS: &[(&str, u32)] = &[
     ("abf-pack", 1),
     ("abf-shapes", 2),
     ("abf-constraints", 2),
+    ("abf-multires", 2),
     ("abf-solve-core", 3),
     ("abf-reconstruct", 4),
     ("abf-metrics", 4),

@@ -1,6 +1,7 @@
 //! One triangle in the plane: its orientation, its angles, their derivatives, and when it turns over.
 
 use abf_linalg::Complex64;
+pub(crate) use abf_mesh::predicates::angles;
 use abf_mesh::predicates::orient2d;
 use abf_mesh::{FaceId, Point2, Topology, Vector2};
 
@@ -39,15 +40,6 @@ pub(crate) fn at_resolution(points: &[Point2<f64>; 3]) -> bool {
 #[inline]
 pub(crate) fn edges([a, b, c]: &[Point2<f64>; 3]) -> [Complex64; 3] {
     [c - b, a - c, b - a].map(|e| Complex64::new(e.x, e.y))
-}
-
-/// The angles of a counter-clockwise triangle, rad: `atan2(2A, e₁ · e₂)` at every corner.
-#[inline]
-pub(crate) fn angles(points: &[Point2<f64>; 3]) -> [f64; 3] {
-    let double_area = orientation(points);
-    let [a, b, c] = points;
-    let (ab, bc, ca) = (b - a, c - b, a - c);
-    [-ab.dot(&ca), -bc.dot(&ab), -ca.dot(&bc)].map(|dot| double_area.atan2(dot))
 }
 
 /// The derivatives of the three angles by the coordinates of the three vertices, rad per unit of length.

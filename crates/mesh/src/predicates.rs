@@ -14,6 +14,16 @@ pub fn orient2d(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> f64 {
     robust::orient2d(coord(a), coord(b), coord(c))
 }
 
+/// The angles of a counter-clockwise triangle, rad: `atan2(2A, e₁ · e₂)` at every corner. They are in (0, π) where
+/// [`orient2d`] is positive.
+#[inline]
+#[must_use]
+pub fn angles(&[a, b, c]: &[Point2<f64>; 3]) -> [f64; 3] {
+    let double_area = orient2d(a, b, c);
+    let (ab, bc, ca) = (b - a, c - b, a - c);
+    [-ab.dot(&ca), -bc.dot(&ab), -ca.dot(&bc)].map(|dot| double_area.atan2(dot))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
