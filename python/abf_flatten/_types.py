@@ -24,6 +24,8 @@ Solver = Literal[
     "minres",
     "barrier",
     "descent",
+    "habf++",
+    "hlinabf",
     "lscm",
 ]
 Layout = Literal["auto", "tree", "least-squares", "least-squares-weighted", "poisson"]

@@ -3,7 +3,7 @@ export type Numbers = Float64Array | Float32Array | Uint32Array | Uint16Array | 
 
 export type Solver =
   | "auto" | "linabf" | "abf" | "abf++" | "abf-newton" | "abf-fixed-target" | "uzawa" | "minres" | "barrier" | "descent"
-  | "lscm";
+  | "habf++" | "hlinabf" | "lscm";
 
 /** What happened. Every field has a value; `kind` says which of them are news. */
 export interface Progress {

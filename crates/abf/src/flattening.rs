@@ -7,6 +7,7 @@ use abf_mesh::{TriMesh, UvMap};
 use abf_metrics::{Certificate, Metrics, MetricsError, measure_certified};
 use abf_reconstruct::LayoutKind;
 use abf_solve_core::AngleSolution;
+use abf_solve_hierarchical::{LevelReport, NoHierarchy};
 
 /// A flattened mesh.
 #[derive(Clone, Debug)]
@@ -37,6 +38,8 @@ pub struct Flattening {
     pub precision_limits: Option<PrecisionLimits>,
     /// What became of the boundary that was asked for; `None` where it was free.
     pub boundary: Option<BoundaryReport>,
+    /// The levels of a hierarchical solver; `None` for the others.
+    pub hierarchy: Option<HierarchyReport>,
     /// Every solver that was tried, in order, by [`SolverKind::Auto`]; empty for the others.
     pub rungs: Vec<RungReport>,
 }
@@ -62,6 +65,17 @@ pub struct BoundaryReport {
     /// by more than 1e-6 rad. A curve that only turns to the left, once, does not meet itself, and a map without flips
     /// inside such a curve does not overlap. The overlap test of the certificate is exact and does not use this.
     pub injective_by_convexity: bool,
+}
+
+/// The levels that a hierarchical solver went through.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct HierarchyReport {
+    /// Every level, the coarsest first, the mesh itself last; empty where the mesh was solved without a hierarchy, because
+    /// it is small enough or for the reason below.
+    pub levels: Vec<LevelReport>,
+    /// Why there is no hierarchy, where there should be one. The solver of its coarse mesh has solved the fine one then.
+    pub fallback: Option<NoHierarchy>,
 }
 
 /// What one solver of the ladder [`SolverKind::Auto`] came to.
@@ -100,7 +114,8 @@ impl RungReport {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct LayoutReport {
-    /// The method that was used; never [`LayoutKind::Auto`]. `None` for the descent, whose unknowns are the UVs.
+    /// The method that was used; never [`LayoutKind::Auto`]. `None` for the descent and HABF++,
+    /// whose results are the UVs.
     pub kind: Option<LayoutKind>,
     /// The true relative residual of its linear solve; `None` for the tree.
     pub linear_residual: Option<f64>,

@@ -52,7 +52,7 @@ pub use atlas::{
     Atlas, AtlasError, AtlasPages, NarrowPlace, Packed, Parted, Parting, Placement, Repack, Repacked, Stored,
 };
 pub use error::FlattenError;
-pub use flattening::{BoundaryReport, Flattening, LayoutReport, RungReport};
+pub use flattening::{BoundaryReport, Flattening, HierarchyReport, LayoutReport, RungReport};
 pub use judge::{JudgeError, JudgeSettings, Judgement, judge};
 pub use pattern::{Developed, Laid, Orient, Pattern};
 pub use precision_limits::PrecisionLimits;
@@ -92,6 +92,11 @@ pub mod embed {
         BoundarySpacing, DescentRecord, DescentSolution, EmbedError, StepKind, TutteEmbedding, TutteWeights, tutte,
         vertex_points,
     };
+}
+
+/// What hierarchical solvers report; the settings, [`Hierarchical`], are at the root of the crate.
+pub mod hierarchy {
+    pub use abf_solve_hierarchical::{LevelReport, NoHierarchy, RefineError};
 }
 
 /// Distortion and validity of any UV map; what they come to, [`Metrics`] and [`Certificate`], is at the root of the crate.

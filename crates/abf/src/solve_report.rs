@@ -1,6 +1,6 @@
 //! What a solver did, in numbers.
 
-use crate::Flattening;
+use crate::{Flattening, SolverKind};
 use abf_control::IterationRecord;
 use abf_solve_core::AngleSolution;
 
@@ -47,7 +47,8 @@ impl Flattening {
         let solution = self.solution.as_ref();
         let history = solution.map_or(&[][..], AngleSolution::history);
         let last = history.last();
-        let has_a_fixed_target = self.solver.finds_angles() && !self.solver.makes_passes();
+        let moves_its_target = self.solver.makes_passes() || self.solver == SolverKind::HLinAbf;
+        let has_a_fixed_target = self.solver.finds_angles() && !moves_its_target;
         SolveReport {
             constraint_residual: solution.map(AngleSolution::constraint_residual),
             angles_out_of_range: solution.map(AngleSolution::angles_out_of_range),

@@ -145,7 +145,8 @@ typedef int32_t (*AbfProgress)(void *user, const struct AbfEvent *event);
 typedef struct AbfOptions {
   // `sizeof(AbfOptions)`. Later versions append fields.
   size_t size;
-  // "auto", "linabf", "abf", "abf++", "abf-newton", "abf-fixed-target", "uzawa", "minres", "barrier", "descent", "lscm".
+  // "auto", "linabf", "abf", "abf++", "abf-newton", "abf-fixed-target", "uzawa", "minres", "barrier", "descent",
+  // "habf++", "hlinabf", "lscm".
   const char *solver;
   // "auto", "least-squares", "least-squares-weighted", "tree", "poisson".
   const char *layout;

@@ -17,7 +17,8 @@ pub const ABF_NO_MARGIN: u32 = u32::MAX;
 pub struct AbfOptions {
     /// `sizeof(AbfOptions)`. Later versions append fields.
     pub size: usize,
-    /// "auto", "linabf", "abf", "abf++", "abf-newton", "abf-fixed-target", "uzawa", "minres", "barrier", "descent", "lscm".
+    /// "auto", "linabf", "abf", "abf++", "abf-newton", "abf-fixed-target", "uzawa", "minres", "barrier", "descent",
+    /// "habf++", "hlinabf", "lscm".
     pub solver: *const c_char,
     /// "auto", "least-squares", "least-squares-weighted", "tree", "poisson".
     pub layout: *const c_char,

@@ -25,6 +25,10 @@ impl Pipeline {
             }
             Method::Angles(angles) => self.check_angles(&self.solver, angles),
             Method::Positions(descent) => self.check_descent(descent),
+            Method::Hierarchy(hierarchical) => {
+                let settings = self.stop.check().map_err(Into::into).and_then(|()| hierarchical.check());
+                settings.map_err(|source| FlattenError::of_solver(self.solver.kind(), source))
+            }
             // It is one linear solve: there is nothing to stop.
             Method::SurfaceAngles => Ok(()),
         }
@@ -36,7 +40,7 @@ impl Pipeline {
             // It leaves out the solvers that do not.
             Method::Ladder(_) => true,
             Method::Angles(angles) => angles.keeps_boundary(),
-            Method::Positions(_) | Method::SurfaceAngles => false,
+            Method::Positions(_) | Method::Hierarchy(_) | Method::SurfaceAngles => false,
         };
         if let Solver::LinAbf(LinAbf { error_bound: Some(_), .. }) = &self.solver
             && !self.boundary.is_free()
@@ -66,7 +70,11 @@ impl Pipeline {
             Method::SurfaceAngles if matches!(kind, LayoutKind::Tree | LayoutKind::Poisson) => {
                 Err(FlattenError::LscmLayout(kind))
             }
-            Method::Ladder(_) | Method::Angles(_) | Method::Positions(_) | Method::SurfaceAngles => Ok(()),
+            Method::Ladder(_)
+            | Method::Angles(_)
+            | Method::Positions(_)
+            | Method::Hierarchy(_)
+            | Method::SurfaceAngles => Ok(()),
         }
     }
 }

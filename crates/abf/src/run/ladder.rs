@@ -134,7 +134,7 @@ impl Climb<'_> {
     fn drawing(&self, given: &Given<'_>, next: Single<'_>) -> Option<Vec<Point2<f64>>> {
         let starts_from_one = match next {
             Single::Positions(_) => true,
-            Single::Angles(_) | Single::SurfaceAngles => false,
+            Single::Angles(_) | Single::Hierarchy(_) | Single::SurfaceAngles => false,
         };
         let best = self.best.as_ref().filter(|best| starts_from_one && best.report.valid)?;
         // A mirrored drawing is valid, too.

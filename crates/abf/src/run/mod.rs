@@ -4,6 +4,7 @@ mod boundary;
 mod check;
 mod corners;
 mod ladder;
+mod levels;
 mod task;
 mod thin;
 
@@ -121,6 +122,7 @@ impl Pipeline {
             match pipeline.solver.method() {
                 Method::Ladder(ladder) => climb(&given, ladder, observer),
                 Method::Angles(angles) => Task::new(given, solver, Single::Angles(angles)).run(observer),
+                Method::Hierarchy(levels) => Task::new(given, solver, Single::Hierarchy(levels)).run(observer),
                 Method::Positions(descent) => Task::new(given, solver, Single::Positions(descent)).run(observer),
                 Method::SurfaceAngles => Task::new(given, solver, Single::SurfaceAngles).run(observer),
             }
@@ -149,7 +151,7 @@ impl Pipeline {
     /// Whether the result depends on where the angles start.
     fn uses_the_initial_guess(&self) -> bool {
         match self.solver.method() {
-            Method::Ladder(_) | Method::Angles(_) => true,
+            Method::Ladder(_) | Method::Angles(_) | Method::Hierarchy(_) => true,
             Method::Positions(_) | Method::SurfaceAngles => false,
         }
     }

@@ -10,6 +10,7 @@ use abf_mesh::{FaceId, Point2, TriMesh, UvMap};
 use abf_metrics::{Certificate, Precision, certify_connected_asking};
 use abf_reconstruct::{Layout, LayoutKind, LayoutSettings, aligned, layout_asking};
 use abf_solve_core::{AngleSolution, AngleSolver};
+use abf_solve_hierarchical::Hierarchical;
 
 /// A problem, and what is asked of it whichever solver it is.
 #[derive(Clone, Copy)]
@@ -31,6 +32,8 @@ pub(super) enum Single<'t> {
     Angles(&'t dyn AngleSolver),
     /// It moves the vertices.
     Positions(&'t Descent),
+    /// It solves and draws a coarse version of the mesh, and carries that back.
+    Hierarchy(&'t Hierarchical),
     /// The angles of the surface are laid out as they are.
     SurfaceAngles,
 }
@@ -40,7 +43,7 @@ impl Single<'_> {
     pub(super) fn keeps_boundary(self) -> bool {
         match self {
             Self::Angles(solver) => solver.keeps_boundary(),
-            Self::Positions(_) | Self::SurfaceAngles => false,
+            Self::Positions(_) | Self::Hierarchy(_) | Self::SurfaceAngles => false,
         }
     }
 }
@@ -79,6 +82,7 @@ impl<'t> Task<'t> {
                 self.laid_out(Some(solution), layout, observer)
             }
             Single::Positions(descent) => self.descend(descent, observer),
+            Single::Hierarchy(hierarchical) => self.by_levels(hierarchical, observer),
             Single::SurfaceAngles => {
                 let weighted = LayoutSettings { kind: LayoutKind::LeastSquaresWeighted, ..layout };
                 let layout = if layout.kind == LayoutKind::Auto { weighted } else { layout };
@@ -88,7 +92,7 @@ impl<'t> Task<'t> {
     }
 
     /// Lays out the angles of a solution, or those of the surface.
-    fn laid_out(
+    pub(super) fn laid_out(
         &self,
         solution: Option<AngleSolution>,
         settings: LayoutSettings,
@@ -126,15 +130,27 @@ impl<'t> Task<'t> {
     fn descend(&self, descent: &Descent, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         let Given { mesh, problem, .. } = self.given;
         let descended = descent.solve(mesh, problem, self.start, &self.stop, observer)?;
+        let drawing = (&*descended.uv, descended.area_matched);
+        let solution = AngleSolution::measure(problem, descended.angles, descended.termination, descended.iterations);
+        self.placed(drawing, solution, &descended.held, observer)
+    }
+
+    /// A drawing that is a result, one point per vertex, put where every layout is. With it whether it has the area of the
+    /// surface.
+    pub(super) fn placed(
+        &self,
+        (uv, area_matched): (&[Point2<f64>], bool),
+        solution: AngleSolution,
+        held: &[FaceId],
+        observer: &mut dyn Observer,
+    ) -> Result<Flattening, FlattenError> {
         ask(observer, Event::StageStarted(Stage::Layout))?;
-        let candidates = self.placements(&descended.uv, descended.area_matched);
+        let candidates = self.placements(uv, area_matched);
         ask(observer, Event::StageStarted(Stage::Certificate))?;
         let (certified, pinned, scaled) = self.first_valid(candidates, observer)?;
-        let solution =
-            AngleSolution::measure(self.given.problem, descended.angles, descended.termination, descended.iterations);
         let report =
             LayoutReport { kind: None, linear_residual: None, closing_error: None, clamped_angles: 0, pinned, scaled };
-        Ok(self.flattening(certified, Some(solution), report, &descended.held))
+        Ok(self.flattening(certified, Some(solution), report, held))
     }
 
     /// Where a drawing may be put, the best place first: where every layout is, then without moving and turning it,
@@ -191,7 +207,7 @@ impl<'t> Task<'t> {
         let Certified { uv, mut certificate } = certified;
         certificate.constraint_residual = solution.as_ref().map(AngleSolution::constraint_residual);
         let starts_from_a_guess = match self.method {
-            Single::Angles(_) => true,
+            Single::Angles(_) | Single::Hierarchy(_) => true,
             Single::Positions(_) | Single::SurfaceAngles => false,
         };
         let (topology, is_valid) = (self.given.problem.topology(), certificate.valid());
@@ -215,6 +231,7 @@ impl<'t> Task<'t> {
             switched_rings: if starts_from_a_guess { self.given.problem.switched_rings() } else { 0 },
             boundary,
             solution,
+            hierarchy: None,
             rungs: Vec::new(),
         }
     }

@@ -14,6 +14,7 @@ use std::sync::Arc;
 pub use abf_embed::Descent;
 pub use abf_solve_abf_newton::{AbfNewton, NewtonMethod};
 pub use abf_solve_barrier::Barrier;
+pub use abf_solve_hierarchical::{Hierarchical, HierarchicalMethod};
 pub use abf_solve_linabf::{LinAbf, Passes};
 pub use abf_solve_minres::Minres;
 pub use abf_solve_uzawa::Uzawa;
@@ -51,6 +52,8 @@ pub enum Solver {
     Barrier(Barrier),
     /// The descent over the positions of the vertices.
     Descent(Descent),
+    /// A coarse version of the mesh, solved and carried back: [`Hierarchical::method`] says what that is for.
+    Hierarchical(Hierarchical),
     /// Least squares conformal maps. Its only setting is the layout of the [`Pipeline`](crate::Pipeline).
     Lscm,
     /// A solver of your own. Two are equal when they are the same object. With `serde` it is written by its name, and
@@ -68,6 +71,8 @@ pub(crate) enum Method<'s> {
     Angles(&'s dyn AngleSolver),
     /// It moves the vertices.
     Positions(&'s Descent),
+    /// It solves and draws a coarse version of the mesh, and carries that back.
+    Hierarchy(&'s Hierarchical),
     /// The angles of the surface are laid out as they are.
     SurfaceAngles,
 }
@@ -93,6 +98,8 @@ impl Solver {
             Self::Minres(Minres::default()),
             Self::Barrier(Barrier::default()),
             Self::Descent(Descent::default()),
+            Self::Hierarchical(Hierarchical::habf_plus_plus()),
+            Self::Hierarchical(Hierarchical::hlinabf()),
             Self::Lscm,
         ]
     }
@@ -113,6 +120,11 @@ impl Solver {
             Self::Minres(_) => SolverKind::Minres,
             Self::Barrier(_) => SolverKind::Barrier,
             Self::Descent(_) => SolverKind::Descent,
+            Self::Hierarchical(hierarchical) => match hierarchical.method {
+                HierarchicalMethod::HLinAbf => SolverKind::HLinAbf,
+                // The only other one.
+                _ => SolverKind::HabfPlusPlus,
+            },
             Self::Lscm => SolverKind::Lscm,
             Self::Custom(solver) => SolverKind::Custom(solver.name()),
         }
@@ -134,16 +146,18 @@ impl Solver {
             Self::Barrier(solver) => Method::Angles(solver),
             Self::Custom(solver) => Method::Angles(solver.as_ref()),
             Self::Descent(descent) => Method::Positions(descent),
+            Self::Hierarchical(hierarchical) => Method::Hierarchy(hierarchical),
             Self::Lscm => Method::SurfaceAngles,
         }
     }
 
-    /// The solver of angles; `None` for those that are none: LSCM, the descent, and the ladder.
+    /// The solver of angles; `None` for those that are none by themselves: LSCM, the descent, the hierarchical ones, and
+    /// the ladder.
     #[must_use]
     pub fn angle_solver(&self) -> Option<&dyn AngleSolver> {
         match self.method() {
             Method::Angles(solver) => Some(solver),
-            Method::Ladder(_) | Method::Positions(_) | Method::SurfaceAngles => None,
+            Method::Ladder(_) | Method::Positions(_) | Method::Hierarchy(_) | Method::SurfaceAngles => None,
         }
     }
 
@@ -155,9 +169,13 @@ impl Solver {
             Self::Newton(solver) => Some(solver.newton),
             Self::Uzawa(solver) => Some(solver.newton),
             Self::Minres(solver) => Some(solver.newton),
-            Self::Auto(_) | Self::LinAbf(_) | Self::Barrier(_) | Self::Descent(_) | Self::Lscm | Self::Custom(_) => {
-                None
-            }
+            Self::Auto(_)
+            | Self::LinAbf(_)
+            | Self::Barrier(_)
+            | Self::Descent(_)
+            | Self::Hierarchical(_)
+            | Self::Lscm
+            | Self::Custom(_) => None,
         }
     }
 
@@ -172,6 +190,7 @@ impl Solver {
             | Self::Newton(_)
             | Self::Barrier(_)
             | Self::Descent(_)
+            | Self::Hierarchical(_)
             | Self::Lscm
             | Self::Custom(_) => None,
         }
@@ -188,6 +207,7 @@ impl Solver {
             | Self::Minres(_)
             | Self::Barrier(_)
             | Self::Descent(_)
+            | Self::Hierarchical(_)
             | Self::Lscm
             | Self::Custom(_) => None,
         }
@@ -200,7 +220,13 @@ impl Solver {
             Self::Auto(ladder) => Some(ladder.descent.barrier_floor),
             Self::Barrier(barrier) => Some(barrier.barrier_floor),
             Self::Descent(descent) => Some(descent.barrier_floor),
-            Self::LinAbf(_) | Self::Newton(_) | Self::Uzawa(_) | Self::Minres(_) | Self::Lscm | Self::Custom(_) => None,
+            Self::LinAbf(_)
+            | Self::Newton(_)
+            | Self::Uzawa(_)
+            | Self::Minres(_)
+            | Self::Hierarchical(_)
+            | Self::Lscm
+            | Self::Custom(_) => None,
         }
     }
 
@@ -221,7 +247,7 @@ impl Solver {
             }
             Self::Barrier(solver) => parts.barrier = Some(solver),
             Self::Descent(solver) => parts.descent = Some(solver),
-            Self::Lscm | Self::Custom(_) => {}
+            Self::Hierarchical(_) | Self::Lscm | Self::Custom(_) => {}
         }
         parts
     }
@@ -244,6 +270,11 @@ impl Solver {
             Self::Uzawa(Uzawa { iterative, .. }) => Growth::of_iterations(iterative, Growth::UZAWA),
             Self::Minres(Minres { iterative, .. }) => Growth::of_iterations(iterative, Growth::MINRES),
             Self::Barrier(_) => Growth::BARRIER,
+            // A mesh that cannot be solved by levels is solved as a whole.
+            Self::Hierarchical(hierarchical) => match hierarchical.method {
+                HierarchicalMethod::HLinAbf => Growth::FROZEN,
+                _ => Growth::DIRECT,
+            },
             Self::Descent(_) | Self::Auto(_) => Growth::DESCENT,
         }
     }
@@ -294,6 +325,7 @@ impl PartialEq for Solver {
             (Self::Minres(a), Self::Minres(b)) => a == b,
             (Self::Barrier(a), Self::Barrier(b)) => a == b,
             (Self::Descent(a), Self::Descent(b)) => a == b,
+            (Self::Hierarchical(a), Self::Hierarchical(b)) => a == b,
             (Self::Lscm, Self::Lscm) => true,
             (Self::Custom(a), Self::Custom(b)) => Arc::ptr_eq(a, b),
             (
@@ -304,6 +336,7 @@ impl PartialEq for Solver {
                 | Self::Minres(_)
                 | Self::Barrier(_)
                 | Self::Descent(_)
+                | Self::Hierarchical(_)
                 | Self::Lscm
                 | Self::Custom(_),
                 _,
@@ -322,6 +355,7 @@ impl fmt::Debug for Solver {
             Self::Minres(solver) => solver.fmt(f),
             Self::Barrier(solver) => solver.fmt(f),
             Self::Descent(solver) => solver.fmt(f),
+            Self::Hierarchical(solver) => solver.fmt(f),
             Self::Lscm => f.write_str("Lscm"),
             Self::Custom(solver) => f.debug_tuple("Custom").field(&solver.name()).finish(),
         }
@@ -363,6 +397,7 @@ from_solvers! {
     Minres => Minres,
     Barrier => Barrier,
     Descent => Descent,
+    Hierarchical => Hierarchical,
 }
 
 #[cfg(test)]
@@ -393,7 +428,7 @@ mod tests {
             assert_eq!(parts.iterative.copied(), solver.iterative_settings(), "{kind}");
             assert_eq!(parts.linabf.map(|linabf| linabf.passes), solver.passes(), "{kind}");
             assert_eq!(parts.barrier.is_some() || parts.descent.is_some(), kind.has_a_barrier(), "{kind}");
-            let is_alone = kind.keeps_constraints() && kind != SolverKind::Auto;
+            let is_alone = kind.keeps_constraints() && kind != SolverKind::Auto && !kind.is_hierarchical();
             assert_eq!(solver.angle_solver().map(AngleSolver::name), is_alone.then_some(kind.name()));
         }
     }

@@ -30,6 +30,11 @@ pub enum SolverKind {
     /// Descent over the positions of the vertices, from Tutte's embedding through drawings without flips only: no
     /// layout, the positions are the unknowns.
     Descent,
+    /// Hierarchical ABF++ (Sheffer, Lévy, Mogilnitsky, Bogomyakov 2005), reconstructed: ABF++ on a coarse version of the
+    /// mesh, whose drawing is carried back. The positions are the result.
+    HabfPlusPlus,
+    /// Linear ABF that linearises at the angles of a coarse drawing, carried back.
+    HLinAbf,
     /// Least squares conformal maps (Lévy et al. 2002): no angles are solved for, the layout alone
     /// does the work.
     Lscm,
@@ -39,7 +44,7 @@ pub enum SolverKind {
 
 impl SolverKind {
     /// Every solver of this library, in the order of the documentation.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Auto,
         Self::LinAbf,
         Self::Abf,
@@ -50,6 +55,8 @@ impl SolverKind {
         Self::Minres,
         Self::Barrier,
         Self::Descent,
+        Self::HabfPlusPlus,
+        Self::HLinAbf,
         Self::Lscm,
     ];
 
@@ -67,6 +74,8 @@ impl SolverKind {
             Self::Minres => "minres",
             Self::Barrier => "barrier",
             Self::Descent => "descent",
+            Self::HabfPlusPlus => "habf++",
+            Self::HLinAbf => "hlinabf",
             Self::Lscm => "lscm",
             Self::Custom(name) => name,
         }
@@ -86,6 +95,8 @@ impl SolverKind {
             | Self::Minres
             | Self::Barrier
             | Self::Descent
+            | Self::HabfPlusPlus
+            | Self::HLinAbf
             | Self::Custom(_) => true,
             Self::Lscm => false,
         }
@@ -104,6 +115,8 @@ impl SolverKind {
             | Self::Uzawa
             | Self::Minres
             | Self::Barrier
+            | Self::HabfPlusPlus
+            | Self::HLinAbf
             | Self::Custom(_) => true,
             Self::Descent | Self::Lscm => false,
         }
@@ -122,6 +135,8 @@ impl SolverKind {
             | Self::Minres
             | Self::Barrier
             | Self::Descent
+            | Self::HabfPlusPlus
+            | Self::HLinAbf
             | Self::Lscm
             | Self::Custom(_) => false,
         }
@@ -140,6 +155,8 @@ impl SolverKind {
             | Self::Uzawa
             | Self::Minres
             | Self::Descent
+            | Self::HabfPlusPlus
+            | Self::HLinAbf
             | Self::Lscm => false,
         }
     }
@@ -162,6 +179,8 @@ impl SolverKind {
             | Self::AbfFixedTarget
             | Self::Uzawa
             | Self::Minres
+            | Self::HabfPlusPlus
+            | Self::HLinAbf
             | Self::Lscm
             | Self::Custom(_) => false,
         }
@@ -180,9 +199,17 @@ impl SolverKind {
             | Self::AbfFixedTarget
             | Self::Barrier
             | Self::Descent
+            | Self::HabfPlusPlus
+            | Self::HLinAbf
             | Self::Lscm
             | Self::Custom(_) => false,
         }
+    }
+
+    /// Whether it coarsens the mesh first.
+    #[must_use]
+    pub const fn is_hierarchical(self) -> bool {
+        matches!(self, Self::HabfPlusPlus | Self::HLinAbf)
     }
 
     /// Whether it is a point of the grid of [`NewtonSettings`](abf_solve_core::NewtonSettings): it minimises an energy with a
@@ -191,7 +218,14 @@ impl SolverKind {
     pub const fn has_a_fixed_target(self) -> bool {
         match self {
             Self::Abf | Self::AbfPlusPlus | Self::AbfNewton | Self::AbfFixedTarget | Self::Uzawa | Self::Minres => true,
-            Self::Auto | Self::LinAbf | Self::Barrier | Self::Descent | Self::Lscm | Self::Custom(_) => false,
+            Self::Auto
+            | Self::LinAbf
+            | Self::Barrier
+            | Self::Descent
+            | Self::HabfPlusPlus
+            | Self::HLinAbf
+            | Self::Lscm
+            | Self::Custom(_) => false,
         }
     }
 
@@ -199,7 +233,7 @@ impl SolverKind {
     #[must_use]
     pub const fn iteration_names(self) -> [&'static str; 2] {
         match self {
-            Self::LinAbf => ["pass", "passes"],
+            Self::LinAbf | Self::HLinAbf => ["pass", "passes"],
             Self::Descent => ["step", "steps"],
             Self::Auto
             | Self::Abf
@@ -209,6 +243,7 @@ impl SolverKind {
             | Self::Uzawa
             | Self::Minres
             | Self::Barrier
+            | Self::HabfPlusPlus
             | Self::Lscm
             | Self::Custom(_) => ["iteration", "iterations"],
         }

@@ -12,12 +12,13 @@ use super::not_run::NotRun;
 use super::quality::Quality;
 use super::repacked::Repacked;
 use super::result::Record;
-use super::run::{BoundaryMet, Limits, RunRecord, RungRecord, Solved};
+use super::run::{BoundaryMet, Hierarchy, Limits, RunRecord, RungRecord, Solved};
 use super::settings::Asked;
 use super::size::{Kkt, Size};
 use super::surveyed::{About, Counts, FileState, LogHead, MadeWith, SurveyDocument, Surveyed};
 use super::times::{Repeats, Stages, Timings};
 use abf::constraints::AngleProblem;
+use abf::hierarchy::LevelReport;
 use abf::solve_core::SolveError;
 use abf::{
     AngleSolution, AngleSolver, IterationRecord, LayoutKind, Observer, Pipeline, Precision, Silent, Solver, SolverKind,
@@ -139,6 +140,12 @@ impl Dice {
         }
     }
 
+    fn level(&mut self) -> LevelReport {
+        let mut level = LevelReport::default();
+        (level.triangles, level.inserted, level.moved) = (self.count(), self.count(), self.count());
+        level
+    }
+
     fn run(&mut self) -> RunRecord {
         RunRecord { settings: self.asked(), solved: self.solved() }
     }
@@ -182,6 +189,8 @@ impl Dice {
                 radius_spread: dice.maybe(Self::number),
                 injective_by_convexity: dice.yes(),
             }),
+            hierarchy: self
+                .maybe(|dice| Hierarchy { levels: dice.some(Self::level), fallback: dice.maybe(Self::text) }),
         }
     }
 

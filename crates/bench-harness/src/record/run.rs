@@ -4,9 +4,10 @@ use super::figure::{self, known};
 use super::settings::Asked;
 use super::text;
 use crate::record::failure::chain;
+use abf::hierarchy::LevelReport;
 use abf::{
-    BoundaryReport, Flattening, Hessian, LayoutKind, LayoutReport, Pipeline, PrecisionLimits, RungReport, SolveReport,
-    SolverKind, Termination, UnwrappedChart, WheelForm,
+    BoundaryReport, Flattening, Hessian, HierarchyReport, LayoutKind, LayoutReport, Pipeline, PrecisionLimits,
+    RungReport, SolveReport, SolverKind, Termination, UnwrappedChart, WheelForm,
 };
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
@@ -78,6 +79,26 @@ pub(crate) struct Solved {
     /// What became of the boundary that was asked for; absent where it was free.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) boundary: Option<BoundaryMet>,
+    /// The levels of a hierarchical solver; absent of others, and of charts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) hierarchy: Option<Hierarchy>,
+}
+
+/// The levels of a hierarchical solver: see [`abf::HierarchyReport`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Hierarchy {
+    /// Every level, the coarsest first; empty where the mesh was solved without a hierarchy.
+    pub(crate) levels: Vec<LevelReport>,
+    /// Why it was, where it is not too small for one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) fallback: Option<String>,
+}
+
+impl Hierarchy {
+    fn new(report: &HierarchyReport) -> Self {
+        let fallback = report.fallback.as_ref().map(ToString::to_string);
+        Self { levels: report.levels.clone(), fallback }
+    }
 }
 
 /// What became of the boundary that was asked for: see [`abf::BoundaryReport`].
@@ -193,7 +214,8 @@ impl RunRecord {
         let solved = Solved::new(pipeline, (flat.solver, flat.termination), &report, layout, rungs);
         let precision_limits = flat.precision_limits.as_ref().map(Limits::new);
         let boundary = flat.boundary.as_ref().map(BoundaryMet::new);
-        Self { settings: Asked::new(pipeline), solved: Solved { precision_limits, boundary, ..solved } }
+        let hierarchy = flat.hierarchy.as_ref().map(Hierarchy::new);
+        Self { settings: Asked::new(pipeline), solved: Solved { precision_limits, boundary, hierarchy, ..solved } }
     }
 
     /// The report of a mesh in charts; `None` where there are none.
@@ -256,6 +278,7 @@ impl Solved {
             scaled: layout.scaled,
             precision_limits: None,
             boundary: None,
+            hierarchy: None,
         }
     }
 
@@ -290,6 +313,7 @@ impl Solved {
             scaled: self.scaled && other.scaled,
             precision_limits: None,
             boundary: None,
+            hierarchy: None,
         }
     }
 }

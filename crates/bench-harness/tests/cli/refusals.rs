@@ -107,7 +107,7 @@ fn assert_usage_error(ran: &Ran, part: &str) {
 #[test]
 fn solvers_that_do_not_exist_are_refused_with_those_that_do() {
     assert_usage_error(&run(["--solver", "slim"]), "auto, linabf, abf, abf++, abf-newton, abf-fixed-target");
-    assert_usage_error(&run(["--solver", "lscm,slim"]), "minres, barrier, descent, lscm, all");
+    assert_usage_error(&run(["--solver", "lscm,slim"]), "minres, barrier, descent, habf++, hlinabf, lscm, all");
     assert_usage_error(&run(["--solver", "lscm,lscm"]), "named twice");
 }
 

@@ -74,6 +74,7 @@ fn run_lines(solver: &str, run: &RunRecord) -> Vec<(&'static str, String)> {
     lines.extend(accuracy_line(run).map(|line| ("accuracy", line)));
     lines.extend(asked.and_then(|asked| curvature_line(&asked, run)).map(|line| ("curvature", line)));
     lines.extend(boundary_line(run).map(|line| ("boundary", line)));
+    lines.extend(hierarchy_line(run).map(|line| ("levels", line)));
     lines.push(("layout", layout_line(run)));
     lines
 }
@@ -100,6 +101,24 @@ fn solver_line(solver: &str, run: &RunRecord) -> String {
         parts.push("normalized".to_owned());
     }
     parts.join(", ")
+}
+
+/// The levels of a hierarchical solver, or why there are none.
+fn hierarchy_line(run: &RunRecord) -> Option<String> {
+    let hierarchy = run.hierarchy.as_ref()?;
+    if let Some(reason) = &hierarchy.fallback {
+        return Some(format!("none, solved as a whole: {reason}"));
+    }
+    let sizes: Vec<String> = hierarchy.levels.iter().map(|level| level.triangles.to_string()).collect();
+    let moved: usize = hierarchy.levels.iter().map(|level| level.moved).sum();
+    match sizes.len() {
+        0 => Some("none, the mesh is small enough to be solved as a whole".to_owned()),
+        _ => Some(format!(
+            "{} triangles, {} put in a place of their own",
+            sizes.join(", "),
+            count(moved, "vertex", "vertices")
+        )),
+    }
 }
 
 /// What was asked of the boundary, and what it is like.
