@@ -32,20 +32,13 @@ const BY_LENGTH: f64 = 1e-2;
 pub(crate) fn cheapest(working: &Working, points: &[Point3<f64>], vertex: u32, limits: Limits) -> Option<(f64, u32)> {
     let ring = working.ring(vertex)?;
     let star = Star::new(&ring, points, vertex);
-    let mut best: Option<(f64, u32)> = None;
-    for place in ring.targets() {
-        // A quality is at most 1.
-        let least = star.deviation(place);
-        if best.is_some_and(|(cost, _)| least >= cost) {
-            continue;
-        }
-        let Some(quality) = star.worst_quality(place, limits) else { continue };
-        let cost = least / quality;
-        if best.is_none_or(|(before, _)| cost < before) && working.may_collapse(vertex, &ring, place) {
-            best = Some((cost, ring.vertices()[place]));
-        }
+    let may_collapse = |place: usize| working.may_collapse(vertex, &ring, place);
+    // Looking at the ring of a target takes longest, and the cheapest one is mostly allowed.
+    let mut found = star.cheapest(ring.targets(), limits, |_| true)?;
+    if !may_collapse(found.1) {
+        found = star.cheapest(ring.targets(), limits, may_collapse)?;
     }
-    best
+    Some((found.0, ring.vertices()[found.1]))
 }
 
 /// The faces around a vertex.
@@ -79,6 +72,29 @@ impl Star {
         }
         let boundary = if ring.is_closed { 0.0 } else { spokes[0].cross(&spokes[neighbours - 1]).norm() };
         Self { spokes, normals, lengths, neighbours, faces, boundary, area }
+    }
+
+    /// The cheapest of the allowed targets with a shape within the limits: its cost and its place.
+    fn cheapest(
+        &self,
+        targets: impl Iterator<Item = usize>,
+        limits: Limits,
+        is_allowed: impl Fn(usize) -> bool,
+    ) -> Option<(f64, usize)> {
+        let mut best: Option<(f64, usize)> = None;
+        for place in targets {
+            // A quality is at most 1.
+            let least = self.deviation(place);
+            if best.is_some_and(|(cost, _)| least >= cost) {
+                continue;
+            }
+            let Some(quality) = self.worst_quality(place, limits) else { continue };
+            let cost = least / quality;
+            if best.is_none_or(|(before, _)| cost < before) && is_allowed(place) {
+                best = Some((cost, place));
+            }
+        }
+        best
     }
 
     fn deviation(&self, place: usize) -> f64 {

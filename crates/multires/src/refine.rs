@@ -218,7 +218,7 @@ impl Insertion {
         let wanted = self.wanted();
         let is_good = self.is_good(wanted);
         let start = if is_good { wanted } else { self.towards(wanted)? };
-        let place = improved(start, self.spokes().iter().copied());
+        let place = improved(start, &self.spokes().iter().copied());
         if self.is_closed && self.turns(place) != 1 { Err(Fault::Wound) } else { Ok((place, !is_good)) }
     }
 

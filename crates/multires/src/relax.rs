@@ -41,7 +41,7 @@ impl<'l> Sweep<'l> {
         for block in self.colours.iter().flat_map(|colour| colour.chunks(BLOCK)) {
             checkpoint()?;
             let at: &[Point2<f64>] = uv;
-            let moved = |&v: &u32| improved(at[v as usize], self.spokes(v, at));
+            let moved = |&v: &u32| improved(at[v as usize], &self.spokes(v, at));
             let moved: Vec<Point2<f64>> = block.par_iter().with_min_len(PER_TASK).map(moved).collect();
             for (&v, p) in block.iter().zip(moved) {
                 uv[v as usize] = p;
