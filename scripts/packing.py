@@ -7,7 +7,9 @@ import fractions
 import json
 import math
 import os
+import pathlib
 import subprocess
+import sys
 
 import harness
 
@@ -15,12 +17,24 @@ import harness
 NEAR = 1e-9
 
 
-def packer():
-    """The example that packs outlines, brought up to date."""
+def packer(given=None):
+    """The example that packs outlines: the one that is given, or brought up to date."""
+    if given:
+        return given
     command = ["cargo", "build", "--release", "--quiet", "--package", "abf-pack", "--example", "outlines"]
     subprocess.run(command, cwd=harness.ROOT, check=True)
     target = os.environ.get("CARGO_TARGET_DIR", harness.ROOT / "target")
     return f"{target}/release/examples/outlines"
+
+
+def said():
+    """This command and the commit, for the head of a table."""
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=harness.ROOT, capture_output=True, text=True,
+                            check=False)
+    words = []
+    for word in sys.argv[1:]:
+        words += [word if word.startswith("-") else pathlib.Path(word).name]
+    return f"`scripts/{pathlib.Path(sys.argv[0]).name} {' '.join(words)}`, commit {commit.stdout.strip()}"
 
 
 def read(text):

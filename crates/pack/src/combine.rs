@@ -75,7 +75,8 @@ impl Stage {
     fn of(effort: Effort, pieces: usize) -> Vec<Self> {
         // What a layout costs grows with the pieces: fewer are made of many.
         let (angles, attempts, repairs) = match pieces {
-            0..30 => ([32, 16], 15, 6),
+            0..12 => ([32, 16], 15, 6),
+            12..30 => ([32, 16], 15, 3),
             30..120 => ([16, 8], 15, 3),
             120..400 => ([16, 8], 15, 0),
             400..2_000 => ([16, 8], 5, 1),
@@ -85,8 +86,8 @@ impl Stage {
         let [large, small] = angles;
         // Milliseconds: where there are many pieces, the angle of each matters less. Hundreds need small cells.
         let (cells, most) = match pieces {
-            0..30 => (256, 4),
-            30..400 => (192, 2),
+            0..12 => (256, 4),
+            12..400 => (192, 2),
             _ => (256, 2),
         };
         let fast = Self { cells, angles: angles.map(|n| n.min(most)), attempts: 1, repairs: 0, tolerance: 0.02 };
@@ -129,6 +130,10 @@ impl Job {
             if best.0 * GAIN < bound {
                 self.improve(stage, bound, &mut best);
             }
+            if best.0 < bound && best.0 * GAIN >= bound {
+                // So little is left that the bound itself is tried.
+                best = self.by_any_attempt(stage, bound).map_or(best, |layout| (bound, layout));
+            }
         }
         Some(best)
     }
@@ -141,14 +146,17 @@ impl Job {
         if let Some(layout) = self.boxes_at(scale) {
             return Some(layout);
         }
-        Stage::of(effort, self.shapes.len()).into_iter().find_map(|stage| {
-            let poses = self.poses(stage, scale);
-            let masks = Masks::new(self.grid(stage), &self.shapes, &poses, scale);
-            let attempts = &Attempt::all(stage.repairs)[..stage.attempts];
-            attempts.chunks(SIDE_BY_SIDE).find_map(|some| {
-                let found: Vec<_> = some.par_iter().map(|&attempt| self.cells_at(&masks, attempt)).collect();
-                found.into_iter().flatten().next()
-            })
+        Stage::of(effort, self.shapes.len()).into_iter().find_map(|stage| self.by_any_attempt(stage, scale))
+    }
+
+    /// A layout at this scale by the first attempt of a stage that finds one.
+    fn by_any_attempt(&self, stage: Stage, scale: f64) -> Option<Layout> {
+        let poses = self.poses(stage, scale);
+        let masks = Masks::new(self.grid(stage), &self.shapes, &poses, scale);
+        let attempts = &Attempt::all(stage.repairs)[..stage.attempts];
+        attempts.chunks(SIDE_BY_SIDE).find_map(|some| {
+            let found: Vec<_> = some.par_iter().map(|&attempt| self.cells_at(&masks, attempt)).collect();
+            found.into_iter().flatten().next()
         })
     }
 

@@ -5,8 +5,9 @@ use super::corners::{corners, length};
 use crate::unwrap::UnwrappedChart;
 use abf_mesh::TriMesh;
 use abf_pack::{Piece, gaps};
+use abf_parallel::prelude::*;
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap, HashSet};
+use std::collections::BinaryHeap;
 
 /// Points of the boundary that cuts begin and end at, evenly apart.
 const ENDS: usize = 28;
@@ -37,8 +38,8 @@ pub(super) struct Sheet {
     area: f64,
 }
 
-/// Every point that a way leads to: how long it is, and the point before.
-type Ways = HashMap<usize, (f64, Option<usize>)>;
+/// How long the way to every point is, infinite where there is none, and the point before.
+type Ways = Vec<(f64, Option<usize>)>;
 
 impl Sheet {
     /// `None` where the boundary meets itself in a point, or there is none. `forbidden` is that of
@@ -78,17 +79,57 @@ impl Sheet {
     /// Ways between points of the outer loop, none longer than `most`, the shortest first.
     pub(super) fn across(&self, most: f64) -> Vec<Cut> {
         let ends = self.ends();
-        let mut cuts = Vec::new();
-        for (number, &from) in ends.iter().enumerate() {
+        let searches: Vec<(usize, &[usize])> =
+            ends.iter().enumerate().map(|(number, &from)| (from, &ends[number + 1..])).collect();
+        self.between(&searches, most)
+    }
+
+    /// Ways as [`Self::across`] finds them, between points beside the ends of these cuts.
+    pub(super) fn beside(&self, cuts: &[Cut], most: f64) -> Vec<Cut> {
+        let ends: Vec<[Vec<usize>; 2]> = cuts.iter().map(|cut| cut.ends.map(|end| self.places_beside(end))).collect();
+        let searches: Vec<(usize, &[usize])> =
+            ends.iter().flat_map(|[one, other]| one.iter().map(move |&from| (from, other.as_slice()))).collect();
+        self.between(&searches, most)
+    }
+
+    /// The ways from one place of the outer loop to some others, for each of these, the shortest first.
+    fn between(&self, searches: &[(usize, &[usize])], most: f64) -> Vec<Cut> {
+        let is_wide = |cut: &Cut| {
+            let side = area(&self.sides(cut)[0]) / self.area;
+            (LEAST_SIDE..=1.0 - LEAST_SIDE).contains(&side)
+        };
+        let search = |&(from, to): &(usize, &[usize])| -> Vec<Cut> {
             let ways = self.ways(self.ring[from], most);
-            let to_others = ends[number + 1..].iter().filter_map(|&to| self.cut(&ways, from, to));
-            cuts.extend(to_others.filter(|cut| {
-                let side = area(&self.sides(cut)[0]) / self.area;
-                (LEAST_SIDE..=1.0 - LEAST_SIDE).contains(&side)
-            }));
-        }
+            to.iter().filter_map(|&to| self.cut(&ways, from, to)).filter(is_wide).collect()
+        };
+        let found: Vec<Vec<Cut>> = searches.par_iter().map(search).collect();
+        let mut cuts = found.concat();
         cuts.sort_by(|a, b| a.length.total_cmp(&b.length).then(a.ends.cmp(&b.ends)));
+        cuts.dedup_by_key(|cut| cut.ends);
         cuts
+    }
+
+    /// A place of the outer loop and two on each side, a quarter of the way to the next end and half of it away.
+    fn places_beside(&self, place: usize) -> Vec<usize> {
+        let count = self.ring.len();
+        let whole: f64 = (0..count).map(|i| self.step(i)).sum();
+        let mut found = vec![place];
+        for way in [0.25, 0.5].map(|part| part * whole / ENDS as f64) {
+            let (mut on, mut so_far) = (place, 0.0);
+            while so_far < way {
+                so_far += self.step(on);
+                on = (on + 1) % count;
+            }
+            let (mut back, mut so_far) = (place, 0.0);
+            while so_far < way {
+                back = (back + count - 1) % count;
+                so_far += self.step(back);
+            }
+            found.extend([on, back]);
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
     }
 
     /// Cuts that leave fewer places where the outer loop is nearer to itself than `within`: of every such place those from
@@ -148,11 +189,10 @@ impl Sheet {
     fn nearest_ends(&self, ways: &Ways) -> Vec<usize> {
         let mut starts = self.ends();
         starts.push(self.ring.len());
-        let way =
-            |&i: &usize| ways.get(&self.ring[i]).filter(|(_, before)| before.is_some()).map(|&(length, _)| (length, i));
+        let way = |i: usize| Some(ways[self.ring[i]]).filter(|(_, before)| before.is_some()).map(|way| (way.0, i));
         starts
             .windows(2)
-            .filter_map(|part| (part[0]..part[1]).filter_map(|i| way(&i)).min_by(|a, b| a.0.total_cmp(&b.0)))
+            .filter_map(|part| (part[0]..part[1]).filter_map(way).min_by(|a, b| a.0.total_cmp(&b.0)))
             .map(|(_, i)| i)
             .collect()
     }
@@ -178,11 +218,12 @@ impl Sheet {
 
     /// The way from one point of the outer loop to another, if there is one.
     fn cut(&self, ways: &Ways, from: usize, to: usize) -> Option<Cut> {
-        let &(length, before) = ways.get(&self.ring[to])?;
+        let (length, mut before) = ways[self.ring[to]];
         before?;
         let mut path = vec![self.ring[to]];
-        while let Some(&(_, Some(previous))) = path.last().and_then(|point| ways.get(point)) {
+        while let Some(previous) = before {
             path.push(previous);
+            before = ways[previous].1;
         }
         if from < to {
             path.reverse();
@@ -192,20 +233,20 @@ impl Sheet {
 
     /// All ways inside of the chart from a point on, none longer than `most`. They end at the boundary.
     fn ways(&self, from: usize, most: f64) -> Ways {
-        let mut found = HashMap::from([(from, (0.0, None))]);
-        let mut is_done = HashSet::new();
+        let mut found = vec![(f64::INFINITY, None); self.places.len()];
+        found[from].0 = 0.0;
+        let mut is_done = vec![false; self.places.len()];
         // Lengths are not negative, so that their bits are in their order.
         let mut waiting = BinaryHeap::from([Reverse((0_u64, from))]);
         while let Some(Reverse((bits, point))) = waiting.pop() {
             let so_far = f64::from_bits(bits);
-            if !is_done.insert(point) || (self.is_border[point] && point != from) {
+            if std::mem::replace(&mut is_done[point], true) || (self.is_border[point] && point != from) {
                 continue;
             }
             for &(next, step) in &self.around[point] {
                 let length = so_far + step;
-                let is_shorter = found.get(&next).is_none_or(|&(known, _)| length < known);
-                if length <= most && is_shorter {
-                    found.insert(next, (length, Some(point)));
+                if length <= most && length < found[next].0 {
+                    found[next] = (length, Some(point));
                     waiting.push(Reverse((length.to_bits(), next)));
                 }
             }

@@ -10,7 +10,7 @@ use abf_control::SettingError;
 use abf_mesh::TriMesh;
 use abf_pack::{Effort, PackSettings, Piece, pack};
 use abf_parallel::prelude::*;
-use cut::Cut;
+use cut::{Cut, Sheet};
 use split::Splitter;
 
 /// Why charts are parted when they are packed, and what that may cost.
@@ -48,19 +48,25 @@ pub struct Parted {
 }
 
 /// Cuts of one chart that are tried in full, the most promising first.
-const TRIES: usize = 6;
+const TRIES: usize = 12;
 /// By how much a cut must let the atlas cover more.
 const GAIN: f64 = 1.01;
 /// Quick packings that may be made to rate the cuts of a chart, times the charts in each; one packing of many charts
 /// takes as long as many of few.
 const RATINGS: usize = 12_000;
+/// The same for the packings as good as the one that was asked for, which rate the most promising cuts once more.
+const GOOD_RATINGS: usize = 96;
+/// The fewest of these packings, and the most.
+const GOOD_RATED: [usize; 2] = [3, 12];
+/// The most promising cuts, beside whose ends others are looked for.
+const BESIDE: usize = 12;
 
 impl Atlas {
     /// Packs charts as [`Self::pack`] does, and parts charts along edges.
     ///
     /// For coverage the largest chart is parted as long as that lets the atlas cover more, until it covers what is aimed
     /// at or the budget is spent. Cuts go between points of the outer boundary of a chart, along shortest paths. Each is
-    /// rated by a quick packing of the outlines, and the best of them by the packing that was asked for.
+    /// rated by a quick packing of the outlines, the best of them by a good one, and the best of these is made.
     ///
     /// For the margin a chart is parted where a cut separates the two sides of a place that is too narrow. Narrow holes
     /// stay as they are.
@@ -147,23 +153,40 @@ impl Atlas {
         let others = unwrapped.charts.iter().enumerate().filter(|&(i, _)| i != largest);
         let others: Vec<Piece> =
             others.map(|(_, chart)| Piece { polygons: outline_of(chart), ..Piece::default() }).collect();
+        let count = unwrapped.charts.len();
+        let mut cuts = sheet.across(most);
+        cuts.truncate((RATINGS / count).max(TRIES));
+        let rated = self.rated(&sheet, &others, cuts, Effort::Fast);
+        // What is not so far from the best may have a better one beside it.
+        let mut cuts = sheet.beside(&rated[..rated.len().min(BESIDE)], most);
+        cuts.truncate((RATINGS / count).max(TRIES));
+        let mut cuts = self.rated(&sheet, &others, cuts, Effort::Fast);
+        if self.effort != Effort::Fast {
+            let [fewest, most] = GOOD_RATED;
+            cuts.truncate((GOOD_RATINGS / count).clamp(fewest, most));
+            cuts = self.rated(&sheet, &others, cuts, Effort::Good);
+        }
+        Some((largest, cuts))
+    }
+
+    /// Cuts of a chart by the scale at which its parts and the other charts fit, the largest scale first.
+    fn rated(&self, sheet: &Sheet, others: &[Piece], cuts: Vec<Cut>, effort: Effort) -> Vec<Cut> {
         let settings = PackSettings {
             page: self.page,
             margin: f64::from(self.margin),
-            effort: Effort::Fast,
+            effort,
             pages: self.max_pages,
             ..PackSettings::default()
         };
-        let scale = |cut: &Cut| {
-            let mut pieces = others.clone();
-            pieces.extend(sheet.sides(cut).map(|ring| Piece::new(vec![ring])));
-            pack(&pieces, &settings).map_or(0.0, |packing| packing.texels_per_unit)
+        let scale = |cut: Cut| {
+            let mut pieces = others.to_vec();
+            pieces.extend(sheet.sides(&cut).map(|ring| Piece::new(vec![ring])));
+            (pack(&pieces, &settings).map_or(0.0, |packing| packing.texels_per_unit), cut)
         };
-        let mut cuts = sheet.across(most);
-        cuts.truncate((RATINGS / unwrapped.charts.len()).max(TRIES));
-        let mut rated: Vec<(f64, usize)> = cuts.par_iter().map(scale).enumerate().map(|(i, s)| (s, i)).collect();
-        rated.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        Some((largest, rated.into_iter().map(|(_, i)| cuts[i].clone()).collect()))
+        let mut rated: Vec<(f64, Cut)> = cuts.into_par_iter().map(scale).collect();
+        // Cuts that are as good keep their order: the shorter one comes first.
+        rated.sort_by(|a, b| b.0.total_cmp(&a.0));
+        rated.into_iter().map(|(_, cut)| cut).collect()
     }
 
     /// Parts the charts that are too narrow somewhere, as often as that leaves fewer such places at the scale of the atlas.
