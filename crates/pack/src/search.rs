@@ -146,3 +146,23 @@ fn packing(
         coverage: area / texels,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Effort;
+
+    #[test]
+    fn boxes_that_are_nearly_as_large_as_can_be_do_not_keep_a_layout_from_being_so() {
+        let notched =
+            vec![[0.0, 0.0], [10.0, 0.0], [10.0, 6.0], [5.5, 6.0], [5.5, 4.5], [4.5, 4.5], [4.5, 6.0], [0.0, 6.0]];
+        // Its spike goes into the notch. The boxes of both are a thousandth too high together.
+        let spiked = vec![[0.0, 0.0], [9.0, 0.0], [9.0, 2.99], [4.6, 2.99], [4.5, 3.99], [4.4, 2.99], [0.0, 2.99]];
+        let pieces = [notched, spiked].map(|ring| Piece::new(vec![ring]));
+        for effort in Effort::ALL {
+            let packing = pack(&pieces, &PackSettings { effort, ..PackSettings::default() }).expect("they fit");
+            // The page without its margins, through the longest side.
+            assert!((packing.texels_per_unit - 102.0).abs() < 1e-6, "{effort}: {}", packing.texels_per_unit);
+        }
+    }
+}

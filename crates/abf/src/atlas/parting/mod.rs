@@ -184,8 +184,8 @@ impl Atlas {
             (pack(&pieces, &settings).map_or(0.0, |packing| packing.texels_per_unit), cut)
         };
         let mut rated: Vec<(f64, Cut)> = cuts.into_par_iter().map(scale).collect();
-        // Cuts that are as good keep their order: the shorter one comes first.
-        rated.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // Of cuts that are as good the shorter one comes first.
+        rated.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.length.total_cmp(&b.1.length)));
         rated.into_iter().map(|(_, cut)| cut).collect()
     }
 
