@@ -1,8 +1,9 @@
 //! UVs that a mesh has, judged as a run of [`Unwrap`](crate::Unwrap) judges what it makes.
 
-use crate::atlas::{Parts, as_joined, in_input, sharing};
-use abf_cut::{DoubleSided, RepairError, Weld, repair_with};
-use abf_mesh::{FaceId, TriMesh, UvMap, VertexId};
+use crate::Atlas;
+use crate::atlas::{Parts, Selected, in_input};
+use abf_cut::{RepairError, Weld};
+use abf_mesh::{TriMesh, UvMap};
 use abf_metrics::{Metrics, MetricsError, Precision, certify_stored, measure_certified};
 
 /// What is known of the UVs of a mesh that may need repair.
@@ -42,6 +43,9 @@ pub struct JudgeSettings<'a> {
     pub objects: Option<&'a [u32]>,
     /// What the UVs are stored in.
     pub precision: Precision,
+    /// Texels of the page along x and y, where the distortion is to be that of texels; without it a unit is as long along
+    /// both.
+    pub page: Option<[u32; 2]>,
 }
 
 /// Judges the UVs of a mesh after the repair that [`Unwrap`](crate::Unwrap) makes.
@@ -51,42 +55,20 @@ pub struct JudgeSettings<'a> {
 /// # Errors
 /// [`JudgeError`].
 pub fn judge(mesh: &TriMesh, uv: &UvMap, settings: &JudgeSettings<'_>) -> Result<Judgement, JudgeError> {
-    let JudgeSettings { weld: rule, objects, precision } = *settings;
+    let JudgeSettings { weld, objects, precision, page } = *settings;
     let objects = objects.filter(|objects| objects.len() == mesh.face_count());
-    let joined = as_joined(mesh, rule, objects);
-    // Faces that share the texels of others are dropped before the repair, as `Unwrap` drops them.
-    let is_shared = sharing(&joined, uv);
-    let shared = is_shared.iter().filter(|shared| **shared).count();
-    let kept: Vec<FaceId> = (0..mesh.face_count()).map(FaceId::new).filter(|f| !is_shared[f.index()]).collect();
-    let of_kept = |f: FaceId| kept[f.index()];
-    let repaired = if shared == 0 {
-        repair_with(&joined, DoubleSided::Own)?
-    } else {
-        let corners = |f: &FaceId| joined.faces()[f.index()].map(VertexId::index);
-        let faces: Vec<[usize; 3]> = kept.iter().map(corners).collect();
-        let part = TriMesh::new(joined.positions().to_vec(), &faces).map_err(RepairError::from)?;
-        repair_with(&part, DoubleSided::Own)?
-    };
-    let turned: Vec<FaceId> = repaired.turned_faces().into_iter().map(of_kept).collect();
-    let is_judged = |f: &FaceId| !is_in_one_point(mesh, uv, *f);
-    let mut faces: Vec<FaceId> = repaired.faces.iter().map(|&f| of_kept(f)).filter(is_judged).collect();
-    faces.sort_unstable();
+    let selected = Selected::of(mesh, uv, weld, objects)?;
+    let (shared, Selected { faces, turned, .. }) = (selected.shared(), selected);
     let dropped = mesh.face_count() - faces.len() - shared;
+    let page = page.unwrap_or([1; 2]);
     if turned.is_empty() && faces.len() == mesh.face_count() {
-        let metrics = measure_certified(mesh, uv, certify_stored(mesh, uv, precision)?)?;
+        let metrics = measure_certified(mesh, &Atlas::in_proportions(uv, page), certify_stored(mesh, uv, precision)?)?;
         return Ok(Judgement { metrics, turned: 0, shared, dropped });
     }
     let (part, map, vertices) = Parts::new(mesh, &turned, uv).of(&faces);
     let certificate = in_input(certify_stored(&part, &map, precision)?, &faces, &vertices);
-    let metrics = measure_certified(&part, &map, certificate)?;
+    let metrics = measure_certified(&part, &Atlas::in_proportions(&map, page), certificate)?;
     Ok(Judgement { metrics, turned: turned.len(), shared, dropped })
-}
-
-/// Whether a face without area has its corners in one point, as those of components without area have.
-fn is_in_one_point(mesh: &TriMesh, uv: &UvMap, face: FaceId) -> bool {
-    let [a, b, c] = uv.triangle(face);
-    let [p, q, r] = mesh.faces()[face.index()].map(|v| mesh.positions()[v.index()]);
-    a == b && b == c && (q - p).cross(&(r - p)).norm() == 0.0
 }
 
 #[cfg(test)]

@@ -55,7 +55,10 @@ fn run_command() -> Outcome {
         Some(Command::Survey(args)) => {
             survey(&Survey::new(*args, typed).unwrap_or_else(|error| program::exit(error, Some("survey"))))
         }
-        Some(Command::Metrics(args)) => metrics::judge_all(&args, &typed),
+        Some(Command::Metrics(args)) => {
+            metrics::check(&args).unwrap_or_else(|error| program::exit(error, Some("metrics")));
+            metrics::judge_all(&args, &typed)
+        }
         Some(Command::Pack(args)) => {
             pack::pack(&pack::Settings::new(*args, typed).unwrap_or_else(|error| program::exit(error, Some("pack"))))
         }

@@ -170,6 +170,16 @@ fn tolerances(mesh: &TriMesh, rule: Weld) -> Vec<f64> {
     root.iter().map(|&root| ULPS * ulp(sizes[root])).collect()
 }
 
+/// The cell of a coordinate along one axis, [`CELL`] tolerances wide. A coordinate whose neighbouring numbers are farther away
+/// than the tolerance is a cell of its own.
+fn cell(x: f64, tolerance: f64) -> u64 {
+    /// From here on, one step from a number to the next is more than [`CELL`] tolerances.
+    const FAR: f64 = 1.0 / f64::EPSILON;
+    let place = x / (CELL * tolerance);
+    // Adding +0 makes the zeros of either sign one.
+    (if place.abs() < FAR { place.floor() } else { x } + 0.0).to_bits()
+}
+
 /// Which vertices at the boundary are in one place.
 struct Places {
     of_vertex: HashMap<VertexId, usize>,
@@ -193,17 +203,17 @@ impl Places {
         let tolerance: Vec<f64> =
             same.iter().map(|list| list.iter().map(|v| tolerances[v.index()]).fold(0.0, f64::max)).collect();
         let largest = tolerance.iter().copied().fold(0.0, f64::max);
-        // With no tolerance at all, only zeros of either sign are to be found.
-        let width = if largest > 0.0 { CELL * largest } else { f64::MIN_POSITIVE };
-        let range = |x: f64| [x - largest, x + largest].map(|x| (x / width).floor() as i64);
-        let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+        let cells_of = |x: f64| {
+            let [low, high] = [x - largest, x + largest].map(|x| cell(x, largest));
+            [Some(low), Some(high).filter(|high| *high != low)].into_iter().flatten()
+        };
+        let mut cells: HashMap<[u64; 3], Vec<usize>> = HashMap::new();
         let mut joined = DisjointSets::new(same.len());
         for (i, list) in same.iter().enumerate() {
             let p = at(list[0]);
-            let [x, y, z] = [p.x, p.y, p.z].map(range);
-            for cell in (x[0]..=x[1])
-                .flat_map(|x| (y[0]..=y[1]).map(move |y| [x, y]))
-                .flat_map(|[x, y]| (z[0]..=z[1]).map(move |z| [x, y, z]))
+            for cell in cells_of(p.x)
+                .flat_map(|x| cells_of(p.y).map(move |y| [x, y]))
+                .flat_map(|[x, y]| cells_of(p.z).map(move |z| [x, y, z]))
             {
                 let near = cells.entry(cell).or_default();
                 for &j in near.iter() {
@@ -311,6 +321,18 @@ mod tests {
         let points: Vec<[f64; 3]> = input.triangles().flatten().map(|p| [p.x, p.y, p.z]).collect();
         let faces: Vec<[usize; 3]> = (0..input.face_count()).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
         mesh(&points, &faces)
+    }
+
+    #[test]
+    fn coordinates_far_above_the_tolerance_have_cells_of_their_own() {
+        for tolerance in [0.0, 1e-300, 1e-30] {
+            let cells: std::collections::HashSet<u64> = (1..=1000).map(|i| cell(f64::from(i), tolerance)).collect();
+            assert_eq!(cells.len(), 1000, "{tolerance}");
+        }
+        assert_eq!(cell(0.0, 0.0), cell(-0.0, 0.0));
+        assert_eq!(cell(1.0, 1.0), cell(2.0, 1.0));
+        let soup = soup(&torus(20, 20));
+        assert_eq!(weld(&soup, Weld::Within(0.0)), weld(&soup, Weld::Auto), "zeros of either sign are one place");
     }
 
     #[test]

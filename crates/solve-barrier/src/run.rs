@@ -267,7 +267,10 @@ impl<'p, 'a> BarrierRun<'p, 'a> {
         }
         self.recentred += 1;
         let mut angles = self.iterate.angles.clone();
-        self.clamped += pushed_inside(&mut angles);
+        // Behind the angles there are the slacks of conditions on the boundary, which are none.
+        let (own, slacks) = angles.split_at_mut(self.problem.initial_guess().len());
+        self.clamped += pushed_inside(own);
+        pushed_inside(slacks);
         self.iterate = Iterate::new(self.problem, angles);
         self.barrier = self.settings.barrier_start * RECENTRING.powi(self.recentred as i32);
         self.floor = self.settings.barrier_floor;

@@ -65,7 +65,8 @@ impl<'p, 'a> BoundedRun<'p, 'a> {
         })
     }
 
-    /// The least-norm correction under the conditions, and how many solves it took.
+    /// The least-norm correction under the conditions, and how many solves it took. It is not converged where the set of
+    /// active rows was still changing.
     fn correction(&mut self, watch: &mut Watch<'_>) -> Result<(StepReport, Vec<f64>, usize), StepError> {
         let (residual, wheel) = linearise(self.problem.rows(), &self.so_far.angles);
         let off = self.conditions.residual(self.problem.topology(), &self.so_far.angles);
@@ -76,7 +77,8 @@ impl<'p, 'a> BoundedRun<'p, 'a> {
             solves += 1;
             let is_settled = self.conditions.are_equations() || !self.update(&off, &multipliers, &out.delta);
             if is_settled || solves == SOLVES {
-                return Ok((report, std::mem::take(&mut out.delta), solves));
+                let inner_converged = report.inner_converged && is_settled;
+                return Ok((StepReport { inner_converged, ..report }, std::mem::take(&mut out.delta), solves));
             }
         }
     }

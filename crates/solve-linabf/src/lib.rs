@@ -125,8 +125,9 @@ impl AngleSolver for LinAbf {
         }
     }
 
+    /// Not with a bound on the error.
     fn keeps_boundary(&self) -> bool {
-        true
+        self.error_bound.is_none()
     }
 
     fn solve(
@@ -138,8 +139,8 @@ impl AngleSolver for LinAbf {
         stop.check()?;
         self.check()?;
         if let Some(conditions) = problem.boundary() {
-            if self.error_bound.is_some() {
-                return Err(SolveError::Unsupported("an error bound does not go with conditions on the boundary"));
+            if !self.keeps_boundary() {
+                return Err(Self::BOUND_AND_BOUNDARY);
             }
             return bounded::solve(self, problem, conditions, stop, observer);
         }
@@ -157,6 +158,10 @@ impl AngleSolver for LinAbf {
 }
 
 impl LinAbf {
+    /// The refusal of a bound on the error together with conditions on the boundary.
+    pub const BOUND_AND_BOUNDARY: SolveError =
+        SolveError::Unsupported("an error bound does not go with conditions on the boundary");
+
     /// A number of passes is that many factorisations of `S`, each in the metric of its own guess. Passes
     /// until the residual is met start close to each other: they keep the metric of the first, and each
     /// computes no more digits than the next can use.

@@ -1,6 +1,8 @@
 //! What is proved of packed charts, and how distorted they are.
 
-use abf_cut::{DoubleSided, RepairError, Repaired, Weld, first_at_place, repair_with, weld_within};
+use super::Atlas;
+use abf_cut::{DoubleSided, RepairError, Weld, first_at_place, repair_with, weld_within};
+use abf_mesh::predicates::orient2d;
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap, VertexId};
 use abf_metrics::{Certificate, Metrics, MetricsError, Precision, certify_stored, measure_certified};
 use std::borrow::Cow;
@@ -34,15 +36,36 @@ impl<'a> Judge<'a> {
     /// What is proved of the faces of each page, together.
     pub(crate) fn certificate(&self, pages: &[Vec<FaceId>]) -> Result<Certificate, MetricsError> {
         let mut whole: Option<Certificate> = None;
+        let mut lines = Vec::new();
         for faces in pages.iter().filter(|faces| !faces.is_empty()).map(|faces| sorted(faces)) {
             let (part, map, vertices) = self.parts.of(&faces);
-            let found = in_input(certify_stored(&part, &map, self.precision)?, &faces, &vertices);
+            let found = match certify_stored(&part, &map, self.precision) {
+                // A page of faces without an area in space, beside others.
+                Err(MetricsError::NoArea { .. }) => {
+                    lines.extend(faces);
+                    continue;
+                }
+                found => in_input(found?, &faces, &vertices),
+            };
             whole = Some(match whole {
                 None => found,
                 Some(before) => together(before, found),
             });
         }
-        whole.ok_or(MetricsError::NoFaces)
+        let mut whole = whole.ok_or(match lines.len() {
+            0 => MetricsError::NoFaces,
+            faces => MetricsError::NoArea { faces },
+        })?;
+        for face in lines.into_iter().filter(|&f| self.parts.is_flat(f)) {
+            whole.collapsed += 1;
+            append(&mut whole.collapsed_faces, vec![face]);
+        }
+        Ok(whole)
+    }
+
+    /// Whether the UVs of some faces, one by one, lie on lines.
+    pub(super) fn are_flat(&self, faces: &[FaceId]) -> bool {
+        faces.iter().all(|&face| self.parts.is_flat(face))
     }
 
     /// What is proved of some faces alone.
@@ -59,7 +82,8 @@ impl<'a> Judge<'a> {
         whole: &Certificate,
     ) -> Result<Vec<usize>, MetricsError> {
         let mut spoilt = Vec::new();
-        for (i, (faces, before)) in charts.enumerate().filter(|_| !whole.injective()) {
+        let charts = charts.enumerate().filter(|(_, (_, before))| before.is_valid || before.is_injective);
+        for (i, (faces, before)) in charts.filter(|_| !whole.injective()) {
             let stored = self.certificate_of(faces)?;
             if (before.is_valid && !stored.valid()) || (before.is_injective && !stored.injective()) {
                 spoilt.push(i);
@@ -76,25 +100,74 @@ impl<'a> Judge<'a> {
         sides: [u32; 2],
     ) -> Result<Metrics, MetricsError> {
         let (part, map, _) = self.parts.of(&sorted(faces));
-        let [width, height] = sides.map(|side| f64::from(side) / f64::from(sides[0].max(sides[1])));
-        measure_certified(&part, &map.mapped(|p| Point2::new(p.x * width, p.y * height)), certificate)
+        measure_certified(&part, &Atlas::in_proportions(&map, sides), certificate)
     }
 }
 
-/// A mesh with vertices in one place joined, and what repair makes of that: as [`Unwrap`](crate::Unwrap) begins. Faces on
-/// others are kept.
-pub(crate) fn as_repaired<'m>(
-    mesh: &'m TriMesh,
-    rule: Weld,
-    objects: Option<&[u32]>,
-) -> Result<(Cow<'m, TriMesh>, Repaired), RepairError> {
-    let joined = as_joined(mesh, rule, objects);
-    let repaired = repair_with(&joined, DoubleSided::Own)?;
-    Ok((joined, repaired))
+/// Which faces of a mesh are judged, and which way around.
+pub(crate) struct Selected {
+    /// Those that are, ascending: without shared ones, those that use a vertex twice, and those without area in one point.
+    pub(crate) faces: Vec<FaceId>,
+    /// Those of them that repair turns around, ascending.
+    pub(crate) turned: Vec<FaceId>,
+    /// For every face whether it has the place and the UVs of an earlier one.
+    pub(crate) is_shared: Vec<bool>,
+}
+
+impl Selected {
+    /// All faces as they are, where repair leaves nothing.
+    pub(crate) fn all(faces: usize) -> Self {
+        Self { faces: (0..faces).map(FaceId::new).collect(), turned: Vec::new(), is_shared: vec![false; faces] }
+    }
+
+    /// After the repair with which [`Unwrap`](crate::Unwrap) begins.
+    pub(crate) fn of(mesh: &TriMesh, uv: &UvMap, rule: Weld, objects: Option<&[u32]>) -> Result<Self, RepairError> {
+        let joined = as_joined(mesh, rule, objects);
+        // Faces that share the texels of others are dropped before the repair, as `Unwrap` drops them.
+        let is_shared = sharing(&joined, uv);
+        let kept = not_shared((0..mesh.face_count()).map(FaceId::new), &is_shared);
+        let repaired = if kept.len() == mesh.face_count() {
+            repair_with(&joined, DoubleSided::Own)?
+        } else {
+            let corners = |f: &FaceId| joined.faces()[f.index()].map(VertexId::index);
+            let faces: Vec<[usize; 3]> = kept.iter().map(corners).collect();
+            let part = TriMesh::new(joined.positions().to_vec(), &faces).map_err(RepairError::from)?;
+            repair_with(&part, DoubleSided::Own)?
+        };
+        let judged = |faces: &[FaceId]| {
+            let of_kept = faces.iter().map(|f| kept[f.index()]);
+            let mut judged: Vec<FaceId> = of_kept.filter(|&f| !is_in_one_point(mesh, uv, f)).collect();
+            judged.sort_unstable();
+            judged
+        };
+        Ok(Self { faces: judged(&repaired.faces), turned: judged(&repaired.turned_faces()), is_shared })
+    }
+
+    /// How many faces are not judged for what they share.
+    pub(crate) fn shared(&self) -> usize {
+        self.is_shared.iter().filter(|shared| **shared).count()
+    }
+}
+
+/// Those of some faces that do not share the texels of earlier ones.
+fn not_shared(faces: impl Iterator<Item = FaceId>, is_shared: &[bool]) -> Vec<FaceId> {
+    faces.filter(|f| !is_shared[f.index()]).collect()
+}
+
+/// Whether a face without area has its corners in one point, as those of components without area have.
+fn is_in_one_point(mesh: &TriMesh, uv: &UvMap, face: FaceId) -> bool {
+    let [a, b, c] = uv.triangle(face);
+    a == b && b == c && !has_area(mesh, face)
+}
+
+/// Whether a face has an area in space.
+pub(crate) fn has_area(mesh: &TriMesh, face: FaceId) -> bool {
+    let [p, q, r] = mesh.faces()[face.index()].map(|v| mesh.positions()[v.index()]);
+    (q - p).cross(&(r - p)).norm() > 0.0
 }
 
 /// A mesh with vertices in one place joined, in the range of numbers that can be worked with.
-pub(crate) fn as_joined<'m>(mesh: &'m TriMesh, rule: Weld, objects: Option<&[u32]>) -> Cow<'m, TriMesh> {
+fn as_joined<'m>(mesh: &'m TriMesh, rule: Weld, objects: Option<&[u32]>) -> Cow<'m, TriMesh> {
     let (working, scale) = match mesh.in_range() {
         Some((scaled, scale)) => (Cow::Owned(scaled), scale),
         None => (Cow::Borrowed(mesh), 1.0),
@@ -106,7 +179,7 @@ pub(crate) fn as_joined<'m>(mesh: &'m TriMesh, rule: Weld, objects: Option<&[u32
 }
 
 /// For every face of the mesh whether an earlier one has its place and its UVs.
-pub(crate) fn sharing(joined: &TriMesh, uv: &UvMap) -> Vec<bool> {
+fn sharing(joined: &TriMesh, uv: &UvMap) -> Vec<bool> {
     let first_at = first_at_place(joined);
     let at_places = |vertices: &[VertexId; 3]| vertices.map(|v| first_at[v.index()]);
     let mut order: Vec<([VertexId; 3], FaceId)> = Vec::with_capacity(joined.face_count());
@@ -154,6 +227,12 @@ impl<'a> Parts<'a> {
         Self { mesh, uv, is_turned }
     }
 
+    /// Whether the UVs of a face lie on one line.
+    pub(super) fn is_flat(&self, face: FaceId) -> bool {
+        let [a, b, c] = self.uv.triangle(face);
+        orient2d(a, b, c) == 0.0
+    }
+
     /// Some faces, those that repair turned around as it turned them, with the vertices of the mesh for theirs.
     pub(crate) fn of(&self, faces: &[FaceId]) -> (TriMesh, UvMap, Vec<VertexId>) {
         let in_order = |face: &FaceId| {
@@ -178,10 +257,6 @@ pub(crate) fn in_input(mut certificate: Certificate, faces: &[FaceId], vertices:
 
 /// One certificate of two pages.
 fn together(mut one: Certificate, other: Certificate) -> Certificate {
-    fn append<T>(list: &mut Vec<T>, more: Vec<T>) {
-        list.extend(more);
-        list.truncate(Certificate::LISTED);
-    }
     one.charts += other.charts;
     one.flips += other.flips;
     one.collapsed += other.collapsed;
@@ -202,4 +277,10 @@ fn together(mut one: Certificate, other: Certificate) -> Certificate {
     append(&mut one.wound_vertices, other.wound_vertices);
     append(&mut one.overlapping_faces, other.overlapping_faces);
     one
+}
+
+/// Adds to a list of offenders as many as are listed.
+fn append<T>(list: &mut Vec<T>, more: Vec<T>) {
+    list.extend(more);
+    list.truncate(Certificate::LISTED);
 }

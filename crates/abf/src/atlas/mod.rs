@@ -14,7 +14,8 @@ use abf_metrics::{Metrics, MetricsError, Precision};
 use abf_pack::{Effort, PackError, PackSettings, Packing, Piece};
 use abf_parallel::prelude::*;
 use judge::Judge;
-pub(crate) use judge::{Parts, Proved, as_joined, in_input, sharing};
+pub(crate) use judge::{Parts, Proved, Selected, in_input};
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 /// How charts are laid out in the unit square.
@@ -202,6 +203,16 @@ impl Atlas {
             Some(margin) if margin > 0 => margin,
             _ => u32::MAX,
         }
+    }
+
+    /// UVs in the proportions of a page of so many texels along x and y: its longer side counts as 1.
+    #[must_use]
+    pub fn in_proportions(uv: &UvMap, page: [u32; 2]) -> Cow<'_, UvMap> {
+        if page[0] == page[1] {
+            return Cow::Borrowed(uv);
+        }
+        let [width, height] = page.map(|side| f64::from(side) / f64::from(page[0].max(page[1])));
+        Cow::Owned(uv.clone().mapped(|p| Point2::new(p.x * width, p.y * height)))
     }
 
     /// Packs the charts of `mesh`. `materials` has a label for each of its faces, and is needed for

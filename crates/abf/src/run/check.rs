@@ -5,7 +5,7 @@ use crate::settings::{Ladder, LinAbf, Method, Pipeline, Solver};
 use abf_constraints::ProblemError;
 use abf_embed::Descent;
 use abf_reconstruct::LayoutKind;
-use abf_solve_core::{AngleSolver, SolveError};
+use abf_solve_core::AngleSolver;
 
 impl Pipeline {
     /// Checks every setting. [`Pipeline::run`] does so first, with the same error.
@@ -42,15 +42,12 @@ impl Pipeline {
             Method::Angles(angles) => angles.keeps_boundary(),
             Method::Positions(_) | Method::Hierarchy(_) | Method::SurfaceAngles => false,
         };
-        if let Solver::LinAbf(LinAbf { error_bound: Some(_), .. }) = &self.solver
-            && !self.boundary.is_free()
-        {
-            let source = SolveError::Unsupported("an error bound does not go with conditions on the boundary");
-            return Err(FlattenError::of_solver(self.solver.kind(), source));
-        }
-        match self.boundary.is_free() || keeps {
-            true => Ok(()),
-            false => Err(FlattenError::BoundarySolver(self.solver.kind())),
+        match (self.boundary.is_free() || keeps, &self.solver) {
+            (true, _) => Ok(()),
+            (false, Solver::LinAbf(LinAbf { error_bound: Some(_), .. })) => {
+                Err(FlattenError::of_solver(self.solver.kind(), LinAbf::BOUND_AND_BOUNDARY))
+            }
+            (false, _) => Err(FlattenError::BoundarySolver(self.solver.kind())),
         }
     }
 

@@ -22,7 +22,8 @@ const SIDES: usize = 5;
 /// The four vertices, in the order of the boundary.
 ///
 /// # Errors
-/// [`BoundaryError`] when the boundary has fewer than four vertices, or more than four of them are in one triangle only.
+/// [`BoundaryError`] when the boundary has fewer than four vertices, more than four of them are in one triangle only, or the
+/// angles are no numbers.
 pub(super) fn best_corners(mesh: &TriMesh, topology: &Topology, angles: &[f64]) -> Result<[u32; 4], BoundaryError> {
     let all = boundary_loop(topology);
     let n = all.len();
@@ -39,10 +40,10 @@ pub(super) fn best_corners(mesh: &TriMesh, topology: &Topology, angles: &[f64]) 
     let best = (0..DIRECTIONS).filter_map(|k| edges.corners(start(k))).min_by(|a, b| a.0.total_cmp(&b.0));
     match best {
         Some((_, corners)) => Ok(corners.map(|j| all[j].index() as u32)),
-        None => {
-            let ear = (0..n).filter(|&j| edges.is_ear[j]).nth(4).unwrap_or_default();
-            Err(BoundaryError::Ear { vertex: all[ear].index() as u32, angle: PI })
-        }
+        None => Err(match (0..n).filter(|&j| edges.is_ear[j]).nth(4) {
+            Some(ear) => BoundaryError::Ear { vertex: all[ear].index() as u32, angle: PI },
+            None => BoundaryError::NoCorners,
+        }),
     }
 }
 
@@ -134,6 +135,14 @@ mod tests {
         corners.sort_unstable();
         expected.sort_unstable();
         assert_eq!(corners, expected);
+    }
+
+    #[test]
+    fn angles_that_are_no_numbers_are_blamed_on_no_vertex() {
+        let (mesh, _) = grid(6, 3);
+        let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
+        let error = best_corners(&mesh, &topology, &vec![f64::NAN; 3 * mesh.face_count()]).unwrap_err();
+        assert_eq!(error, BoundaryError::NoCorners);
     }
 
     #[test]

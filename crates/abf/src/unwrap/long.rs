@@ -26,7 +26,7 @@ const SAME_STRETCH: f64 = 1.0 + 1e-6;
 /// Charts are laid out smaller beside others that have at least this share of the area.
 const LEAST_REST: f64 = 1e-3;
 
-/// Charts that are laid out smaller take no more than this share of the area of a page.
+/// A page is made wider for charts that are laid out smaller as if they took no more than this share of what is covered.
 const MOST_OF_PAGE: f64 = 0.5;
 
 impl Unwrap {

@@ -176,7 +176,10 @@ impl Component<'_, '_> {
                     round += cuts;
                     (true, matches!(scouted, Scouted::Stalled(_)))
                 }
-                Scouted::Unknown => (false, false),
+                Scouted::Unknown(cuts) => {
+                    round += cuts;
+                    (false, false)
+                }
             };
             let refined = if is_foreseen { foresight.refine(&surface, &mut || self.go_on())? } else { None };
             // A closer look may tell that a map would miss the aim.

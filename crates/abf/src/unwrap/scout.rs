@@ -13,8 +13,8 @@ pub(super) enum Scouted {
     Promising(usize),
     /// More cuts no longer help, and there have been so many: only one map is worth trying.
     Stalled(usize),
-    /// Nothing can be foreseen here: only maps will tell.
-    Unknown,
+    /// After so many cuts nothing can be foreseen: only maps will tell.
+    Unknown(usize),
     /// However it is cut, no map will meet the aim.
     Hopeless,
 }
@@ -35,7 +35,9 @@ impl Component<'_, '_> {
             let mut ear = self.ear();
             ear.begin_round(round + cuts);
             ask(&mut ear, Event::Working)?;
-            let Some(stretch) = foresight.stretch(surface, &mut || self.go_on())? else { return Ok(Scouted::Unknown) };
+            let Some(stretch) = foresight.stretch(surface, &mut || self.go_on())? else {
+                return Ok(Scouted::Unknown(cuts));
+            };
             if stretch.l2 <= foresight.worth_trying {
                 break;
             }

@@ -10,10 +10,12 @@ use abf::embed::EmbedError;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
 use abf::{
-    Boundary, FlattenError, GuessSettings, LayoutSettings, Pipeline, Solver, SolverKind, SolverParts, StopCriteria,
+    Boundary, FlattenError, GuessSettings, LayoutSettings, LinAbf, Pipeline, Solver, SolverKind, SolverParts,
+    StopCriteria,
 };
 use clap::error::ErrorKind;
 use std::fmt;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Above so many triangles the LU factorisation of the whole matrix takes minutes and gigabytes; who
@@ -25,6 +27,8 @@ const MOST_TRIANGLES_OF_ABF: usize = 20_000;
 pub(crate) struct Method {
     /// How to flatten.
     pub(crate) pipeline: Pipeline,
+    /// The file that the angles of the boundary are from.
+    pub(crate) angles_file: Option<PathBuf>,
     /// Larger meshes are left out, because nobody asked for this solver by name.
     most_triangles: Option<usize>,
     /// Why it cannot run at all with these settings.
@@ -61,16 +65,28 @@ pub(crate) fn methods(choice: &SolverChoice, args: &MethodArgs) -> Result<Vec<Me
     let method = |&kind: &SolverKind| {
         let pipeline = Pipeline { solver: solver(kind, args), ..pipeline.clone() };
         let is_left_out = kind == SolverKind::Abf && *choice == SolverChoice::All;
-        let unsupported = match try_out(&pipeline) {
+        let tried = match pipeline.boundary.is_free() || !bounds_error(&pipeline.solver) {
+            true => try_out(&pipeline),
+            false => Err(Refusal::Combination(BOUND_AND_BOUNDARY.to_owned())),
+        };
+        let unsupported = match tried {
             Ok(()) => None,
             Err(Refusal::Combination(message)) if kinds.len() > 1 => Some(message),
             Err(Refusal::Combination(message) | Refusal::Setting(message)) => {
                 return Err(usage(ErrorKind::ValueValidation, message));
             }
         };
-        Ok(Method { pipeline, most_triangles: is_left_out.then_some(MOST_TRIANGLES_OF_ABF), unsupported })
+        let angles_file = args.boundary.as_ref().and_then(BoundaryRule::file).map(Path::to_owned);
+        Ok(Method { pipeline, angles_file, most_triangles: is_left_out.then_some(MOST_TRIANGLES_OF_ABF), unsupported })
     };
     kinds.iter().map(method).collect()
+}
+
+/// What is said of two options that do not go together.
+const BOUND_AND_BOUNDARY: &str = "--error-bound and --boundary do not go together: leave out one of them";
+
+fn bounds_error(solver: &Solver) -> bool {
+    matches!(solver, Solver::LinAbf(LinAbf { error_bound: Some(_), .. }))
 }
 
 /// An option that concerns some solvers only.

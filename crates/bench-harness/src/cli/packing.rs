@@ -5,6 +5,18 @@ use super::usage::usage;
 use abf::{Atlas, Effort};
 use clap::error::ErrorKind;
 
+/// Checks that a page has sides.
+///
+/// # Errors
+/// A usage error.
+pub(crate) fn check_page(PageSize([width, height]): PageSize) -> Result<(), clap::Error> {
+    if [width, height].iter().all(|side| (1..=Atlas::MAX_SIDE).contains(side)) {
+        return Ok(());
+    }
+    let message = format!("the sides of --page must be in 1..={}, got {width}x{height}", Atlas::MAX_SIDE);
+    Err(usage(ErrorKind::ValueValidation, message))
+}
+
 /// How charts are laid out.
 ///
 /// # Errors
@@ -19,10 +31,12 @@ pub(crate) fn atlas_of(args: &PackingArgs) -> Result<Atlas, clap::Error> {
     };
     let [width, height] = page;
     let given = if args.page.is_some() { format!("--page {width}x{height}") } else { format!("--resolution {width}") };
-    if page.iter().any(|side| !(1..=Atlas::MAX_SIDE).contains(side)) {
-        let option = if args.page.is_some() { "the sides of --page" } else { "--resolution" };
-        let got = given.split_once(' ').map_or("", |(_, value)| value);
-        return wrong(format!("{option} must be in 1..={}, got {got}", Atlas::MAX_SIDE));
+    match args.page {
+        Some(page) => check_page(page)?,
+        None if !(1..=Atlas::MAX_SIDE).contains(&width) => {
+            return wrong(format!("--resolution must be in 1..={}, got {width}", Atlas::MAX_SIDE));
+        }
+        None => {}
     }
     let shorter = width.min(height);
     let margin = match (args.margin, args.mip_levels) {

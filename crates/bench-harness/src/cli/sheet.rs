@@ -57,7 +57,7 @@ impl Sheet {
             return conflict(format!("{option} concerns the unit square: leave it out, or --units real"));
         }
         if let Some(gap) = args.gap.filter(|gap| !(*gap >= 0.0 && gap.is_finite())) {
-            return Err(usage(ErrorKind::ValueValidation, format!("--gap must be at least 0, got {gap}")));
+            return Err(usage(ErrorKind::ValueValidation, format!("--gap must be a length of at least 0, got {gap}")));
         }
         if let Some(angle) = args.folds.filter(|a| !(0.0..=180.0).contains(a)) {
             let message = format!("--folds must be in 0..=180 degrees, got {angle}");

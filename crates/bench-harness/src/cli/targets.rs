@@ -91,6 +91,20 @@ pub(crate) fn check_distinct(targets: &[(&str, Option<&Path>)], inputs: &[PathBu
     Ok(())
 }
 
+/// Checks that a set of UVs is asked of a glTF, the only format that has several.
+///
+/// # Errors
+/// A usage error.
+pub(crate) fn check_uv_set(uv_set: Option<u32>, inputs: &[PathBuf]) -> Result<(), clap::Error> {
+    match uv_set {
+        Some(set) if !inputs.iter().any(|input| is_gltf(input)) => {
+            let message = format!("--uv-set {set} concerns a glTF, and none is read: leave it out");
+            Err(usage(ErrorKind::ArgumentConflict, message))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Whether two names stand for one file, as far as can be told before it exists.
 fn same_file(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());

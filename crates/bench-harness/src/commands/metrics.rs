@@ -1,21 +1,35 @@
 //! Files, judged by the UVs they have.
 
 use crate::cli::args::MetricsArgs;
-use crate::cli::targets::JsonTarget;
+use crate::cli::packing::check_page;
+use crate::cli::targets::{JsonTarget, check_uv_set};
 use crate::cli::typed::Typed;
 use crate::record::failure::Failure;
-use crate::record::{Outcome, Quality, Record, Size, Stages, Timings, to_json};
+use crate::record::{Outcome, Record, Size, Stages, Timings, to_json};
+use crate::run::judge::Judging;
 use crate::run::memory::HeapWatch;
+use crate::run::source::surface;
 use crate::show::advice;
 use crate::show::console;
 use crate::show::files;
 use crate::show::show;
 use crate::show::table;
-use abf::{JudgeError, JudgeSettings, Judgement, MetricsError, Precision, Weld};
+use abf::Precision;
 use abf_mesh::io::{GltfDocument, MeshFile, MeshFormat};
-use abf_mesh::{Topology, TriMesh, UvMap, io};
+use abf_mesh::{Topology, UvMap, io};
 use std::path::Path;
 use std::time::Instant;
+
+/// Checks the arguments.
+///
+/// # Errors
+/// A usage error that names the option.
+pub(crate) fn check(args: &MetricsArgs) -> Result<(), clap::Error> {
+    if let Some(page) = args.page {
+        check_page(page)?;
+    }
+    check_uv_set(args.uv_set, &args.files)
+}
 
 /// Judges every file asked for.
 pub(crate) fn judge_all(args: &MetricsArgs, typed: &Typed) -> Outcome {
@@ -50,7 +64,7 @@ fn judge(path: &Path, args: &MetricsArgs, typed: &Typed) -> Record {
 fn fill(path: &Path, args: &MetricsArgs, record: &mut Record) -> Result<(), Failure> {
     let heap = HeapWatch::start();
     let begin = Instant::now();
-    let (file, objects) = read(path)?;
+    let (file, objects) = read(path, args.uv_set)?;
     let read = begin.elapsed().as_secs_f64();
     record.notes = file.notes.sentences();
     record.notes.iter().for_each(|note| console::note(&record.mesh, note));
@@ -62,7 +76,8 @@ fn fill(path: &Path, args: &MetricsArgs, record: &mut Record) -> Result<(), Fail
     let uv = file.uv.ok_or_else(|| Failure::no_uv(&record.mesh, file.notes.uv_dropped, "judge"))?;
     let (uv, precision) = as_stored(uv, MeshFormat::of_input(path), file.notes.uv_single);
     let repair = (!args.as_stored).then(|| args.weld.unwrap_or_default());
-    let quality = judged((&file.mesh, objects.as_deref()), &uv, precision, repair);
+    let page = args.page.map(|page| page.0);
+    let quality = Judging { precision, page, repair }.judged(&file.mesh, objects.as_deref(), &uv);
     record.quality = Some(quality.map_err(|error| Failure::metrics(&record.mesh, &error))?);
     if let Some(overlap) = advice::overlap(record) {
         console::note(&record.mesh, &overlap);
@@ -76,12 +91,12 @@ fn fill(path: &Path, args: &MetricsArgs, record: &mut Record) -> Result<(), Fail
 }
 
 /// A file, and of a glTF the mesh that every face is of. Its meshes are as large as in the scene.
-fn read(path: &Path) -> Result<(MeshFile, Option<Vec<u32>>), Failure> {
+fn read(path: &Path, uv_set: Option<u32>) -> Result<(MeshFile, Option<Vec<u32>>), Failure> {
     let failed = |error| Failure::read(&error);
     if MeshFormat::of_input(path).is_none_or(|format| !format.is_gltf()) || path.is_dir() {
         return Ok((io::read(path).map_err(failed)?, None));
     }
-    let surface = GltfDocument::read(path).and_then(|document| document.surface()).map_err(failed)?;
+    let surface = GltfDocument::read(path).and_then(|document| surface(&document, uv_set)).map_err(failed)?;
     let objects = surface.mesh_of_faces();
     let mesh = surface.sized().unwrap_or(surface.mesh);
     Ok((MeshFile::new(mesh, surface.uv, surface.notes), Some(objects)))
@@ -95,22 +110,5 @@ fn as_stored(uv: UvMap, format: Option<MeshFormat>, is_single: bool) -> (UvMap, 
         _ if !is_single => (uv, Precision::Double),
         // Binary files hold them rounded; the digits of a text may say more than it stores.
         _ => (uv.mapped(|p| p.map(|x| Precision::Single.round(x))), Precision::Single),
-    }
-}
-
-/// The figures of the UVs; of the faces as they are where there is no `repair`, or where it leaves none.
-fn judged(
-    (mesh, objects): (&TriMesh, Option<&[u32]>),
-    uv: &UvMap,
-    precision: Precision,
-    repair: Option<Weld>,
-) -> Result<Quality, MetricsError> {
-    match repair.map(|weld| abf::judge(mesh, uv, &JudgeSettings { weld, objects, precision })) {
-        Some(Ok(Judgement { metrics, turned, shared, .. })) => Ok(Quality::of_repaired(&metrics, turned, shared)),
-        Some(Err(JudgeError::Metrics(error))) => Err(error),
-        Some(Err(_)) | None => {
-            let certificate = abf_metrics::certify_stored(mesh, uv, precision)?;
-            Ok(Quality::new(&abf_metrics::measure_certified(mesh, uv, certificate)?))
-        }
     }
 }

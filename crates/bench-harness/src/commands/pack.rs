@@ -2,19 +2,20 @@
 
 use crate::cli::args::PackArgs;
 use crate::cli::packing::atlas_of;
-use crate::cli::targets::{JsonTarget, check_distinct, check_extension, is_gltf};
+use crate::cli::targets::{JsonTarget, check_distinct, check_extension, check_uv_set, is_gltf};
 use crate::cli::typed::Typed;
 use crate::cli::usage::usage;
 use crate::record::failure::Failure;
 use crate::record::{Outcome, Quality, Record, Repacked, Timings, to_json};
 use crate::run::cancel::Cancel;
 use crate::run::charts::stored;
+use crate::run::judge::Judging;
 use crate::run::load::{Loaded, unusable};
 use crate::run::source::Source;
-use crate::run::write::write;
-use crate::show::{console, files, show, table};
-use abf::{AtlasPages, Precision, Repack};
-use abf_mesh::io::MeshFormat;
+use crate::run::write::{How, write};
+use crate::show::{advice, console, files, show, table};
+use abf::{AtlasPages, Precision, Repack, Weld};
+use abf_mesh::io::{GltfTexcoords, MeshFormat};
 use clap::error::ErrorKind;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -23,6 +24,7 @@ use std::time::Instant;
 #[derive(Debug)]
 pub(crate) struct Settings {
     mesh: PathBuf,
+    uv_set: Option<u32>,
     repack: Repack,
     output: Option<PathBuf>,
     remap: Option<PathBuf>,
@@ -54,7 +56,8 @@ impl Settings {
             ("--json", json.as_ref().and_then(JsonTarget::file)),
         ];
         check_distinct(&targets, std::slice::from_ref(&args.mesh))?;
-        Ok(Self { mesh: args.mesh, repack, output: args.output, remap: args.remap, json, typed })
+        check_uv_set(args.uv_set, std::slice::from_ref(&args.mesh))?;
+        Ok(Self { mesh: args.mesh, uv_set: args.uv_set, repack, output: args.output, remap: args.remap, json, typed })
     }
 }
 
@@ -67,7 +70,10 @@ pub(crate) fn pack(settings: &Settings) -> Outcome {
         return Outcome::Failed;
     }
     let cancel = Cancel::on_ctrl_c();
-    let source = Source::File(settings.mesh.clone());
+    let source = match settings.uv_set {
+        Some(set) => Source::UvSet(settings.mesh.clone(), set),
+        None => Source::File(settings.mesh.clone()),
+    };
     let record = match Loaded::read(&source, None, &cancel) {
         Ok(loaded) => {
             let mut record = loaded.record();
@@ -98,7 +104,8 @@ fn fill(settings: &Settings, loaded: &Loaded, record: &mut Record, cancel: &Canc
     let by_material = settings.repack.atlas.pages == AtlasPages::PerMaterial;
     let materials = loaded.known_of_faces(false).materials.filter(|_| by_material);
     let to_gltf = settings.output.as_deref().is_some_and(is_gltf);
-    let packed = settings.repack.run(loaded.sized(), uv, materials.as_deref(), stored(to_gltf, Precision::Double));
+    let labels = (materials.as_deref(), loaded.objects());
+    let packed = settings.repack.run_within(loaded.sized(), uv, labels, stored(to_gltf, Precision::Double));
     let packed = packed.map_err(|error| Failure::atlas(&loaded.name, &error))?;
     // Packing is one call: who asks to stop during it gets no file.
     if cancel.is_asked() {
@@ -108,7 +115,14 @@ fn fill(settings: &Settings, loaded: &Loaded, record: &mut Record, cancel: &Canc
     record.quality = Some(Quality::of_repaired(&packed.metrics, packed.turned, packed.shared));
     record.repacked = Some(Repacked::new(&packed, &settings.repack.atlas));
     if let Some(path) = &settings.output {
-        let kept = write(path, loaded, &packed.uv, true)?;
+        let texcoords = GltfTexcoords { set: loaded.gltf().map(|gltf| gltf.uv_set), overwrite: true };
+        let (page, repair) = (Some(settings.repack.atlas.page), Some(Weld::default()));
+        let judging = Judging { precision: Precision::Single, page, repair };
+        // Of islands upon each other each shape is judged once, and a file does not say which were laid so.
+        let how = How { texcoords, judging: Some(judging).filter(|_| !settings.repack.stack) };
+        let mut kept = write(path, loaded, &packed.uv, how)?;
+        kept.correct(&mut record.quality);
+        record.hint = advice::lost(record);
         record.written.push(path.display().to_string());
         kept.notes.iter().for_each(|note| console::note(&record.mesh, note));
         record.notes.extend(kept.notes);

@@ -55,6 +55,17 @@ impl Failure {
         Self::new(hints::flatten(error), format!("{mesh}: {}", counted(chain(error), &at, fanned))).at(at)
     }
 
+    /// What is wrong with a boundary whose angles are from a file is wrong with that file.
+    pub(crate) fn of_boundary_in(self, file: Option<&Path>) -> Self {
+        match file.filter(|_| self.kind == FailureKind::Boundary) {
+            Some(file) => {
+                let (message, file) = (format!("{}, for {}", file.display(), self.message), file.display());
+                Self { message, hint: format!("correct {file}, or leave out the vertices that it cannot have"), ..self }
+            }
+            None => self,
+        }
+    }
+
     /// A mesh that cannot be made charts.
     pub(crate) fn unwrap(mesh: &str, error: &UnwrapError, fanned: bool) -> Self {
         let at = location::unwrap(error);
@@ -90,7 +101,10 @@ impl Failure {
     /// A file without UVs where there should be some, to do this with.
     pub(crate) fn no_uv(mesh: &str, dropped: Option<UvDropped>, purpose: &str) -> Self {
         let why = dropped.map_or_else(String::new, |why| format!(" that can be used: {why}"));
-        let hint = format!("flatten it first, and {purpose} what that writes: abf MESH -o out.obj");
+        let hint = match dropped {
+            Some(UvDropped::OtherSet { other, .. }) => format!("take --uv-set {other}"),
+            _ => format!("flatten it first, and {purpose} what that writes: abf MESH -o out.obj"),
+        };
         Self::new((FailureKind::NoUv, &hint), format!("{mesh}: there are no UVs{why}"))
     }
 

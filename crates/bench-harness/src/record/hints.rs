@@ -290,9 +290,11 @@ pub(crate) fn write(error: &WriteError) -> Hint {
     match error {
         WriteError::Io { .. } => (FailureKind::Unwritable, ELSEWHERE),
         WriteError::UnknownExtension { .. } => (FailureKind::UnknownExtension, &WRITTEN),
-        WriteError::NotFinite { .. } => {
-            (FailureKind::NotFinite, "correct or remove these: NaN and infinity have no place")
-        }
+        // Files with such numbers are not read: these are beyond 32 bits.
+        WriteError::NotFinite { .. } => (
+            FailureKind::NotFinite,
+            "write an obj or ply, which hold doubles, or scale the mesh down: a glTF has 32-bit numbers",
+        ),
         WriteError::ColourMismatch { .. } => (FailureKind::Internal, REPORT),
         WriteError::Document(error) => read(error),
         WriteError::TexcoordTaken { .. } => (FailureKind::TexcoordTaken, "choose a free set, or overwrite that one"),

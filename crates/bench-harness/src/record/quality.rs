@@ -42,6 +42,9 @@ pub(crate) struct Quality {
     /// Triangles with the vertices and the UVs of an earlier one, not judged.
     #[serde(default)]
     pub(crate) shared: usize,
+    /// Triangles that the 32-bit numbers of a glTF have taken two corners or the area from; what was judged is the rest.
+    #[serde(default)]
+    pub(crate) lost: usize,
     /// Connected components of the UVs.
     pub(crate) charts: usize,
     /// `F / 3nt`, rad².
@@ -122,6 +125,7 @@ impl Quality {
             degenerate_3d: m.degenerate_3d,
             turned: 0,
             shared: 0,
+            lost: 0,
             charts: proved.charts,
             f: known(m.f),
             f_weighted: known(m.f_weighted),

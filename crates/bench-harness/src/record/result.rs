@@ -76,7 +76,8 @@ impl Record {
     /// How it went. A solver that was left out did nothing wrong.
     pub(crate) fn outcome(&self) -> Outcome {
         let as_asked = self.termination().is_none_or(abf::Termination::is_as_asked);
-        let valid = self.quality.as_ref().is_some_and(|quality| quality.valid) || self.not_run.is_some();
+        let is_kept = |quality: &Quality| quality.valid && quality.lost == 0;
+        let valid = self.quality.as_ref().is_some_and(is_kept) || self.not_run.is_some();
         let as_asked = as_asked && self.atlas.as_ref().is_none_or(|atlas| self.is_as_asked(atlas));
         match &self.error {
             Some(failure) if !failure.is_cancelled() => Outcome::Failed,
@@ -97,8 +98,11 @@ impl Record {
             return format!("not run: {}", not_run.kind);
         }
         let valid = self.quality.as_ref().is_some_and(|quality| quality.valid);
+        let is_lost = self.quality.as_ref().is_some_and(|quality| quality.lost > 0);
+        let lost = if is_lost && self.error.is_none() { ", triangles lost" } else { "" };
         let termination = self.termination().map(|end| end.to_string());
-        result_word(self.error.as_ref().map(|failure| failure.kind), termination.as_deref(), valid)
+        let word = result_word(self.error.as_ref().map(|failure| failure.kind), termination.as_deref(), valid);
+        word + lost
     }
 
     /// How the solver ended; of several charts, on the first that did not go as asked.

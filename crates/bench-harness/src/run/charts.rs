@@ -4,14 +4,14 @@ use crate::cli::args::SeamsFrom;
 use crate::cli::charts::Charting;
 use crate::cli::sheet::Sheet;
 use crate::record::failure::Failure;
-use crate::record::number::count;
+use crate::record::number::{count, significant};
 use crate::record::{Atlas as AtlasRecord, ChartSettings, Charted, Narrow};
 use crate::run::load::Loaded;
 use crate::run::progress::Progress;
 use abf::cut::RepairReport;
 use abf::{
-    AtlasPages, Developed, Metrics, Parted, Pipeline, Placement, Precision, Stored, SurfaceHints, Unwrap, Unwrapped,
-    UnwrappedChart,
+    AtlasPages, Developed, Laid, Metrics, Parted, Parting, Pipeline, Placement, Precision, Stored, SurfaceHints,
+    Unwrap, Unwrapped, UnwrappedChart,
 };
 use abf_mesh::UvMap;
 use abf_mesh::io::stored_uv;
@@ -81,24 +81,27 @@ pub(crate) fn charts(
         _ if is_for_uvs => (unwrapped, None),
         None => {
             let packed = charting.atlas.pack(mesh, &unwrapped, materials, stored).map_err(failed)?;
-            (unwrapped, Some((packed, [0; 2])))
+            (unwrapped, Some((packed, Vec::new())))
         }
         Some(parting) => {
             let known = (materials, hints.forbidden);
-            let Parted { unwrapped, packed, for_coverage, for_margin, .. } =
-                charting.atlas.pack_parting(mesh, unwrapped, known, stored, parting).map_err(failed)?;
-            (unwrapped, Some((packed, [for_coverage, for_margin])))
+            let is_in_time = || pipeline.stop.time_limit.is_none_or(|limit| begin.elapsed() < limit);
+            let may_go_on: &mut dyn FnMut() -> bool = &mut || progress.may_go_on() && is_in_time();
+            let how = (parting, may_go_on);
+            let parted = charting.atlas.pack_parting_while(mesh, unwrapped, known, stored, how).map_err(failed)?;
+            let said = parting_said(parting, &parted);
+            (parted.unwrapped, Some((parted.packed, said)))
         }
     };
     let laid = sheet.map(|sheet| sheet.pattern.lay_stored(mesh, &unwrapped, stored)).transpose().map_err(failed)?;
     let drawn = laid.as_ref().filter(|_| sheet.is_some_and(|sheet| sheet.is_drawn)).map(|laid| laid.developed(mesh));
     let (uv, metrics, record) = match (packed, laid) {
         (None, Some(laid)) => {
-            let coverage = laid.metrics.uv_area / laid.size.iter().product::<f64>();
+            let coverage = covered(&laid);
             let record = record((&unwrap, charting), &unwrapped, (&laid.placements, None), coverage, progress);
             (laid.uv, laid.metrics, AtlasRecord { sheet: Some(laid.size), ..record })
         }
-        (Some((packed, cuts)), _) => {
+        (Some((packed, said)), _) => {
             let places = (packed.placements.as_slice(), Some(packed.scales.as_slice()));
             let record = record((&unwrap, charting), &unwrapped, places, packed.coverage, progress);
             let (page, margin) = (Some(charting.atlas.page), Some(charting.atlas.margin));
@@ -106,7 +109,7 @@ pub(crate) fn charts(
             let under_a_texel = packed.under_a_texel.len();
             let texels_per_unit = Some(packed.texels_per_unit);
             let mut repairs = record.repairs;
-            repairs.extend(cuts_said(cuts));
+            repairs.extend(said);
             let record = AtlasRecord { pages: packed.pages, page, narrow, under_a_texel, repairs, ..record };
             let record = AtlasRecord { margin, texels_per_unit, ..record };
             (packed.uv, packed.metrics, record)
@@ -117,15 +120,39 @@ pub(crate) fn charts(
     Ok(Charts { uv, metrics, sheet: drawn, record, seams: unwrapped.seams, turned, shared, charts_s })
 }
 
-/// What was cut when charts were packed.
-fn cuts_said([for_coverage, for_margin]: [usize; 2]) -> impl Iterator<Item = String> {
-    let said = |cuts: usize, why: &str| (cuts > 0).then(|| format!("{} {why}", count(cuts, "chart", "charts")));
+/// The part of a sheet that charts cover, with numbers that stay in range.
+fn covered(laid: &Laid) -> f64 {
+    let unit = laid.size[0].max(laid.size[1]);
+    let part = laid.size.map(|side| side / unit).iter().product::<f64>();
+    match laid.metrics.uv_area / laid.size.iter().product::<f64>() {
+        covered if covered.is_finite() => covered,
+        _ => laid.uv.clone().mapped(|p| p / unit).area() / part,
+    }
+}
+
+/// What was cut when charts were packed, and what was aimed at and missed.
+fn parting_said(parting: &Parting, parted: &Parted) -> Vec<String> {
+    let cut = |cuts: usize, why: &str| (cuts > 0).then(|| format!("{} {why}", count(cuts, "chart", "charts")));
+    let packed = &parted.packed;
+    let in_time = if parted.is_unfinished { " in the time there was" } else { "" };
+    let uncovered = parting.coverage.filter(|aim| packed.coverage < *aim).map(|aim| {
+        let covered = significant(packed.coverage, 3);
+        format!("{covered} of the atlas covered{in_time}, and not {aim} (--coverage)")
+    });
+    let narrow = packed.narrow.len();
+    let unkept = (parting.keeps_inner_margin && narrow > 0).then(|| {
+        let places = count(narrow, "place", "places");
+        format!("{places} of charts left narrower than the margin{in_time} (--inner-margin)")
+    });
     [
-        said(for_coverage, "parted to cover more (--coverage)"),
-        said(for_margin, "parted to keep the margin inside (--inner-margin)"),
+        cut(parted.for_coverage, "parted to cover more (--coverage)"),
+        uncovered,
+        cut(parted.for_margin, "parted to keep the margin inside (--inner-margin)"),
+        unkept,
     ]
     .into_iter()
     .flatten()
+    .collect()
 }
 
 /// What a file makes of UVs, and what is proved of them there.

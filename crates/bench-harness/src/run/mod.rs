@@ -2,6 +2,7 @@
 
 pub(crate) mod cancel;
 pub(crate) mod charts;
+pub(crate) mod judge;
 pub(crate) mod load;
 pub(crate) mod memory;
 pub(crate) mod meshes;
@@ -92,7 +93,7 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, wanted: &Wanted<'_>, can
         (Err(error), Some(charting)) if is_no_disk(&error) => {
             return in_charts(loaded, method, (charting, sheet), cancel, record);
         }
-        (Err(error), _) => return refused(loaded, record, &error),
+        (Err(error), _) => return refused(loaded, method, record, &error),
     };
     progress.end_stages();
     // What was flattened is a disk.
@@ -176,6 +177,7 @@ fn in_charts(
     let Charts { uv, metrics, sheet, record: atlas, seams, turned, shared, charts_s } = match made {
         Ok(charts) => charts,
         Err(failure) => {
+            let failure = failure.of_boundary_in(method.angles_file.as_deref());
             let mesh_is_unusable = failure.kind.is_of_the_mesh();
             let record = Record { size: Some(Size::of(loaded.mesh(), None)), error: Some(failure), ..record };
             return Flattened { mesh_is_unusable, ..record.into() };
@@ -231,12 +233,13 @@ fn watch<'a>(loaded: &Loaded, method: &Method, cancel: &'a Cancel) -> Progress<'
 }
 
 /// The record of a mesh that was not flattened.
-fn refused(loaded: &Loaded, record: Record, error: &FlattenError) -> Flattened {
+fn refused(loaded: &Loaded, method: &Method, record: Record, error: &FlattenError) -> Flattened {
     let mesh_is_unusable = matches!(
         error,
         FlattenError::Geometry(_) | FlattenError::Topology(_) | FlattenError::NotADisk(_) | FlattenError::Problem(_)
     );
     let failure = Failure::flatten(&loaded.name, error, loaded.fanned);
+    let failure = failure.of_boundary_in(method.angles_file.as_deref());
     let size = Some(size_of_refused(loaded.mesh(), error));
     let solver = record.solver.clone().filter(|_| !mesh_is_unusable);
     let record = Record { size, solver, error: Some(failure), ..record };

@@ -62,6 +62,11 @@ impl<'a> Progress<'a> {
         }
     }
 
+    /// Whether the user has not asked to stop.
+    pub(crate) fn may_go_on(&self) -> bool {
+        !self.cancel.is_asked()
+    }
+
     /// The last stage is over.
     pub(crate) fn end_stages(&mut self) {
         self.end = Some(Instant::now());

@@ -2,16 +2,18 @@
 
 use crate::record::failure::Failure;
 use abf_mesh::TriMesh;
-use abf_mesh::io::{GltfDocument, GltfSurface, MeshFile, MeshFormat, ObjDocument, ReadNotes, read};
+use abf_mesh::io::{GltfDocument, GltfSurface, MeshFile, MeshFormat, ObjDocument, ReadError, ReadNotes, read};
 use abf_shapes::{DEFAULT_FIXTURE, Fixture, fixtures};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// One mesh to flatten.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
     /// A file.
     File(PathBuf),
+    /// A glTF with the UVs of one of its sets, `TEXCOORD_n`.
+    UvSet(PathBuf, u32),
     /// The default fixture, made in memory so that an installed program has it too; the committed
     /// file holds the same bits.
     Builtin,
@@ -21,7 +23,7 @@ impl Source {
     /// What it is called in the output.
     pub(crate) fn name(&self) -> String {
         match self {
-            Self::File(path) => path.display().to_string(),
+            Self::File(path) | Self::UvSet(path, _) => path.display().to_string(),
             Self::Builtin => format!("fixtures/{DEFAULT_FIXTURE}.obj (builtin)"),
         }
     }
@@ -31,7 +33,9 @@ impl Source {
         /// Bytes in memory per byte of a file: a binary STL, whose corners are compared, has the most.
         const BYTES_PER_BYTE: u64 = 5;
         match self {
-            Self::File(path) => fs::metadata(path).map_or(0, |about| BYTES_PER_BYTE.saturating_mul(about.len())),
+            Self::File(path) | Self::UvSet(path, _) => {
+                fs::metadata(path).map_or(0, |about| BYTES_PER_BYTE.saturating_mul(about.len()))
+            }
             Self::Builtin => 0,
         }
     }
@@ -44,11 +48,7 @@ impl Source {
         let failed = |error| Failure::read(&error);
         match self {
             Self::File(path) => match MeshFormat::of_input(path) {
-                Some(format) if format.is_gltf() && !path.is_dir() => {
-                    let document = GltfDocument::read(path).map_err(failed)?;
-                    let surface = document.surface().map_err(failed)?;
-                    Ok(Document::Gltf(Box::new(Gltf::new(document, surface))))
-                }
+                Some(format) if format.is_gltf() && !path.is_dir() => read_gltf(path, None),
                 Some(MeshFormat::Obj) if !path.is_dir() => {
                     let document = ObjDocument::read(path).map_err(failed)?;
                     // A writer of meshes would write all there is in it.
@@ -61,6 +61,7 @@ impl Source {
                 }
                 _ => Ok(Document::Plain(Box::new(read(path).map_err(failed)?))),
             },
+            Self::UvSet(path, set) => read_gltf(path, Some(*set)),
             Self::Builtin => {
                 let mesh = default_fixture().mesh();
                 let file = MeshFile::new(mesh, None, ReadNotes::default());
@@ -103,6 +104,19 @@ impl Document {
     }
 }
 
+/// A glTF with the UVs of a set, or of the one that was written last.
+fn read_gltf(path: &Path, uv_set: Option<u32>) -> Result<Document, Failure> {
+    let failed = |error| Failure::read(&error);
+    let document = GltfDocument::read(path).map_err(failed)?;
+    let surface = surface(&document, uv_set).map_err(failed)?;
+    Ok(Document::Gltf(Box::new(Gltf::new(document, surface))))
+}
+
+/// The surface of a glTF with the UVs of a set, or of the one that was written last.
+pub(crate) fn surface(document: &GltfDocument, uv_set: Option<u32>) -> Result<GltfSurface, ReadError> {
+    uv_set.map_or_else(|| document.surface(), |set| document.surface_with_set(set))
+}
+
 /// Whether an OBJ holds more than vertices and faces, comments aside.
 pub(crate) fn holds_more(file: &MeshFile) -> bool {
     let notes = &file.notes;
@@ -113,9 +127,9 @@ pub(crate) fn holds_more(file: &MeshFile) -> bool {
 impl Gltf {
     fn new(document: GltfDocument, surface: GltfSurface) -> Self {
         let (materials, objects) = (surface.material_of_faces(), surface.mesh_of_faces());
-        let (sized, placed) = (surface.sized(), surface.placed());
+        let (sized, placed, uv_set) = (surface.sized(), surface.placed(), surface.set);
         let file = MeshFile::new(surface.mesh, surface.uv, surface.notes);
-        Self { document, file, sized, placed, materials, objects }
+        Self { document, file, uv_set, sized, placed, materials, objects }
     }
 }
 
@@ -126,6 +140,8 @@ pub(crate) struct Gltf {
     pub(crate) document: GltfDocument,
     /// Its surface.
     file: MeshFile,
+    /// The `n` of the `TEXCOORD_n` that the UVs of its surface are.
+    pub(crate) uv_set: u32,
     /// Its surface with every mesh as large as in the scene, where that is another.
     pub(crate) sized: Option<TriMesh>,
     /// Its surface with every mesh where it is in the scene.

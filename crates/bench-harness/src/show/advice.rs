@@ -2,10 +2,10 @@
 
 use crate::record::hints::{OR, TRY};
 use crate::record::number::{count, significant};
-use crate::record::{Outcome, Record, RunRecord, RungRecord};
+use crate::record::{Outcome, Quality, Record, RunRecord, RungRecord};
 use abf::{
-    Hessian, IterativeSettings, LayoutKind, LineSearch, Passes, Pipeline, PreconditionerKind, Reduction, Solver,
-    SolverKind, Termination,
+    Boundary, Hessian, IterativeSettings, LayoutKind, LinAbf, LineSearch, Passes, Pipeline, PreconditionerKind,
+    Reduction, Solver, SolverKind, Termination,
 };
 
 /// The threshold that the paper recommends (§4.2), rad.
@@ -100,6 +100,9 @@ const CUT_DISKS: &str = "--cut-disks, which cuts disks, too, where they stretch"
 
 /// What to try next with charts that are not as asked. In an atlas, disks are cut, too: nothing more is to be cut there.
 pub(crate) fn next_for_charts(record: &Record) -> Option<String> {
+    if let Some(lost) = lost(record) {
+        return Some(lost);
+    }
     let atlas = record.atlas.as_ref()?;
     let termination = record.termination()?;
     let what = match termination {
@@ -114,15 +117,34 @@ pub(crate) fn next_for_charts(record: &Record) -> Option<String> {
         }
         _ => return stretched(record, true),
     };
+    // Beside a very wide gap charts are within rounding.
+    let are_spoilt_on_sheet = atlas.sheet.is_some() && atlas.charts.iter().all(|chart| chart.valid);
+    if what == "not valid" && are_spoilt_on_sheet {
+        return Some(format!("{what} on a sheet as large as this{TRY}a smaller --gap"));
+    }
     let mut tries = match termination {
         Termination::TimeLimit => vec!["a longer --time-limit, which is one for all charts"],
         _ if what == "not valid" => vec!["an obj or ply, which hold doubles: a glTF does not"],
-        _ => vec!["more --max-iterations"],
+        Termination::MaxIterations => vec!["more --max-iterations"],
+        _ => vec!["--solver auto", "a smaller --max-stretch"],
     };
     if termination != Termination::TimeLimit && !atlas.settings.cuts_disks() {
         tries.insert(0, CUT_DISKS);
     }
     Some(format!("{what}{TRY}{}", tries.join(OR)))
+}
+
+/// What to try where a glTF does not hold all triangles.
+pub(crate) fn lost(record: &Record) -> Option<String> {
+    let quality = record.quality.as_ref().filter(|quality| quality.lost > 0)?;
+    let way_out = "an obj or ply, which hold doubles, or a mesh of another size near the origin";
+    Some(format!("{}{TRY}{way_out}", lost_in_single(quality)))
+}
+
+/// Which triangles a glTF does not hold.
+pub(crate) fn lost_in_single(quality: &Quality) -> String {
+    let lost = count(quality.lost, "triangle loses its area or a corner", "triangles lose their area or a corner");
+    format!("{lost} in the 32-bit numbers of glTF")
 }
 
 /// What to try with a map that is valid and of little use.
@@ -215,12 +237,20 @@ fn tries(solver: &str, run: &RunRecord) -> Vec<String> {
     if let Some(iterative) = iterative.filter(|_| run.inner_unconverged > 0 && !run.termination.is_as_asked()) {
         return stronger_inner_solve(iterative);
     }
+    let is_stuck =
+        !matches!(run.termination, Termination::TimeLimit | Termination::MaxIterations | Termination::Cancelled);
+    if !asked.boundary.is_free() && is_stuck {
+        return other_boundaries(&asked.boundary, solver);
+    }
+    if let Some(Solver::LinAbf(LinAbf { error_bound: Some(_), .. })) = own.as_ref().filter(|_| is_stuck) {
+        return vec!["a larger --error-bound".to_owned(), "to leave out --error-bound".to_owned()];
+    }
     let passes = own.as_ref().and_then(Solver::passes);
     let makes_exact_passes = passes.is_some_and(|passes| passes != Passes::Auto);
     match run.termination {
         Termination::TimeLimit => vec!["a longer --time-limit".to_owned()],
         Termination::MaxIterations if !makes_exact_passes => {
-            vec![format!("--max-iterations {}", 2 * asked.stop.max_iterations)]
+            vec![format!("--max-iterations {}", asked.stop.max_iterations.saturating_mul(2))]
         }
         Termination::Cancelled => Vec::new(),
         _ if run.solved_by == SolverKind::Descent.name() || !run.rungs.is_empty() => vec![longer_seam()],
@@ -229,6 +259,19 @@ fn tries(solver: &str, run: &RunRecord) -> Vec<String> {
             None => other_steps(solver, &asked, ending),
         },
     }
+}
+
+/// For a boundary that was not reached.
+fn other_boundaries(asked: &Boundary, solver: &str) -> Vec<String> {
+    let mut tries = Vec::new();
+    if solver == SolverKind::LinAbf.name() {
+        tries.push(format!("--solver {}", SolverKind::Barrier));
+    }
+    if !matches!(asked, Boundary::Convex | Boundary::Below2Pi(_)) {
+        tries.push(format!("--boundary {}, which asks for less", Boundary::Convex));
+    }
+    tries.push("to leave out --boundary".to_owned());
+    tries
 }
 
 /// For inner solves that broke off.

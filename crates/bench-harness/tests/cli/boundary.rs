@@ -28,9 +28,19 @@ fn each_bad_line_of_a_file_of_angles_is_named() {
     let said = refused("0 1.5\nx 2\n3\n");
     assert!(said.contains("line 2") && said.contains("line 3") && said.contains("angles.txt"), "{said}");
     let said = refused("# many\n1000000 1.5\n");
-    assert!(said.contains("line 2: vertex 1000000") && said.contains("hint: change --boundary"), "{said}");
+    assert!(said.contains("line 2: vertex 1000000") && said.contains("angles.txt, for "), "{said}");
+    assert!(said.contains("angles.txt, or leave out the vertices that it cannot have"), "{said}");
     let ran = run(["--boundary", "angles=/no/such/file"]);
     assert!(ran.code == 2 && ran.stderr.contains("/no/such/file"), "{}", ran.stderr);
+}
+
+#[test]
+fn what_is_next_after_a_bound_on_the_error_is_another_bound() {
+    let ran = run_on("--error-bound 0.01 --solver linabf", &[&fixture("spike")]);
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("try a larger --error-bound, or to leave out --error-bound"), "{}", ran.stderr);
+    let ran = run_on("--error-bound 0.5 --boundary convex --solver linabf", &[&fixture("spike")]);
+    assert!(ran.code == 2 && ran.stderr.contains("do not go together: leave out one of them"), "{}", ran.stderr);
 }
 
 #[test]

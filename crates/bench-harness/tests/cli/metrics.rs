@@ -276,3 +276,86 @@ fn a_folder_is_refused_with_the_commands_that_take_one() {
         assert!(ran.stderr.contains("survey DIR") && ran.stderr.contains("compare DIR"), "{}", ran.stderr);
     }
 }
+
+#[test]
+fn a_gltf_is_judged_by_the_uvs_that_were_written_last_or_by_those_asked_for() {
+    let folder = Folder::new();
+    let torus = folder.file("torus.obj", surfaces::torus());
+    let (first, second, packed) = (folder.path("a.glb"), folder.path("b.glb"), folder.path("c.glb"));
+    assert_eq!(run_on(&format!("--max-stretch 2 -o {}", first.display()), &[&torus]).code, 0);
+    let of_run = run_on(&format!("--json - -o {}", second.display()), &[&first]).result();
+    let of_file = run_on("metrics --json -", &[&second]).result();
+    assert_same_judgement("the second set", &of_run, &of_file);
+    let of_first = run_on("metrics --json -", &[&first]).result();
+    assert_ne!(of_first["f"], of_file["f"]);
+    assert_same_judgement("the first set", &of_first, &run_on("metrics --uv-set 0 --json -", &[&second]).result());
+    // Packing takes the same UVs, and puts them where they were.
+    let of_pack = run_on(&format!("pack --margin 5 --json - -o {}", packed.display()), &[&second]).result();
+    assert!(of_pack["notes"].to_string().contains("the UVs are TEXCOORD_1"), "{}", of_pack["notes"]);
+    assert_same_judgement("packed", &of_pack, &run_on("metrics --json -", &[&packed]).result());
+    assert_same_judgement("kept", &of_first, &run_on("metrics --uv-set 0 --json -", &[&packed]).result());
+    let missing = run_on("metrics --uv-set 7", &[&second]);
+    assert_eq!(missing.code, 2);
+    assert!(missing.stderr.contains("TEXCOORD_7") && missing.stderr.contains("take --uv-set 0"), "{}", missing.stderr);
+    let of_obj = run_on("metrics --uv-set 0", &[&torus]);
+    assert!(of_obj.code == 2 && of_obj.stderr.contains("--uv-set 0 concerns a glTF"), "{}", of_obj.stderr);
+}
+
+/// A bent grid of 6 × 6 squares with sides of `side` beginning at `begin`.
+fn grid(begin: f64, side: f64) -> String {
+    let point = |i: usize| {
+        let (x, y) = ((i % 7) as f64, (i / 7) as f64);
+        [begin + side * x, begin + side * y, side * 0.1 * (x - 3.0).powi(2)]
+    };
+    let square = |i: usize| {
+        let a = i / 6 * 7 + i % 6;
+        [[a, a + 1, a + 8], [a, a + 8, a + 7]]
+    };
+    surfaces::obj(&(0..49).map(point).collect::<Vec<_>>(), &(0..36).flat_map(square).collect::<Vec<_>>())
+}
+
+#[test]
+fn what_32_bits_make_of_a_mesh_is_judged_and_triangles_that_they_lose_are_told() {
+    let folder = Folder::new();
+    let out = folder.path("out.glb");
+    // Coordinates near a million have steps of a sixteenth.
+    for (begin, side, code, lost) in
+        [(0.0, 0.1, 0, false), (1e6, 0.2, 0, false), (1e6, 0.01, 1, true), (0.0, 1e-50, 1, true)]
+    {
+        let mesh = folder.file("grid.obj", grid(begin, side));
+        let ran = run_on(&format!("--json - -o {}", out.display()), &[&mesh]);
+        assert_eq!(ran.code, code, "{begin} {side}: {}", ran.stderr);
+        let of_run = ran.result();
+        assert_eq!(of_run["lost"].as_u64().expect("a number") > 0, lost, "{begin} {side}");
+        if lost {
+            let hint = of_run["hint"].as_str().expect("a hint");
+            assert!(hint.contains("32-bit numbers of glTF: try an obj or ply"), "{hint}");
+        }
+        let of_file = run_on("metrics --json -", &[&out]);
+        let judged = of_file.result();
+        match of_file.code {
+            2 => assert_eq!(of_run["lost"], 72),
+            // Vertices in one place are one there.
+            _ if lost => assert_eq!((&of_run["valid"], &of_run["f"]), (&judged["valid"], &judged["f"])),
+            _ => assert_same_judgement("in 32 bits", &of_run, &judged),
+        }
+    }
+    let huge = folder.file("huge.obj", grid(0.0, 1e39));
+    let ran = run_on(&format!("-o {}", out.display()), &[&huge]);
+    assert!(ran.code == 2 && ran.stderr.contains("write an obj or ply, which hold doubles"), "{}", ran.stderr);
+}
+
+#[test]
+fn a_page_that_is_no_square_is_judged_in_texels_if_its_size_is_told() {
+    let folder = Folder::new();
+    let torus = folder.file("torus.obj", surfaces::torus());
+    let (of_run, _) = run_and_judge(&torus, "--page 1024x256", &folder);
+    let out = folder.path("out.obj");
+    let of_page = |options: &str| run_on(&format!("metrics --json - {options}"), &[&out]).result();
+    for options in ["--page 1024x256", "--page 4x1", "--page 1024x256 --as-stored"] {
+        assert_same_judgement(options, &of_run, &of_page(options));
+    }
+    assert_ne!(of_page("")["f"], of_run["f"]);
+    let ran = run_on("metrics --page 0x4", &[&out]);
+    assert!(ran.code == 2 && ran.stderr.contains("must be in 1..=65536, got 0x4"), "{}", ran.stderr);
+}

@@ -252,3 +252,64 @@ fn ring() -> String {
         .collect();
     surfaces::obj(&points, &faces)
 }
+
+/// Seven vertices: a square and, far from it, a corner.
+const PLACES: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 5 5 5\nv 6 5 5\nv 5 6 5\n";
+
+#[test]
+fn islands_that_are_no_maps_are_packed_and_judged_as_metrics_judges_them() {
+    let folder = Folder::new();
+    let square = "vt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\n";
+    let faces = "f 1/1 2/2 3/3\nf 2/2 4/4 3/3\n";
+    let in_space = PLACES.to_owned();
+    let on_a_line = PLACES.replace("v 6 5 5\nv 5 6 5", "v 6 6 6\nv 7 7 7");
+    let cases = [
+        ("a point", &in_space, "vt .5 .5\n", "f 5/5 6/5 7/5\n", 1, ""),
+        ("a line across", &in_space, "vt 2 2\nvt 3 3\nvt 4 4\n", "f 5/5 6/6 7/7\n", 1, ""),
+        ("a vertex twice", &in_space, "", "f 1/1 1/2 2/4\n", 0, ""),
+        ("alone with a vertex twice", &in_space, "vt 3 3\nvt 4 3\nvt 3 4\n", "f 5/5 5/6 6/7\n", 0, ""),
+        ("no area in space", &on_a_line, "vt 3 3\nvt 4 3\nvt 3 4\n", "f 5/5 6/6 7/7\n", 0, ""),
+        ("no area beside an overlap", &on_a_line, "vt 3 3\nvt 4 3\nvt 3 4\n", "f 5/5 6/6 7/7\nf 1/1 4/2 3/3\n", 1, ""),
+        ("a page without area", &on_a_line, "vt 3 3\nvt 4 3\nvt 3 4\n", "f 5/5 6/6 7/7\n", 0, "--atlas per-component"),
+        (
+            "a page that is a line",
+            &on_a_line,
+            "vt 2 2\nvt 3 3\nvt 4 4\n",
+            "f 5/5 6/6 7/7\n",
+            0,
+            "--atlas per-component",
+        ),
+    ];
+    for (name, places, uvs, more, code, options) in cases {
+        let mesh = folder.file("a.obj", format!("{places}{square}{uvs}{faces}{more}"));
+        let out = folder.path("out.obj");
+        let ran = run_on(&format!("pack --json - {options} -o {}", out.display()), &[&mesh]);
+        assert_eq!(ran.code, code, "{name}: {}", ran.stderr);
+        let (of_pack, of_file) = (ran.result(), run_on("metrics --json -", &[&out]).result());
+        for field in ["valid", "flips", "collapsed", "wound", "triangles", "turned", "shared", "uv_area"] {
+            assert_eq!(of_pack[field], of_file[field], "{name}: {field}");
+        }
+        // The pages of one file lie on each other there.
+        if options.is_empty() {
+            assert_eq!(of_pack["overlaps"], of_file["overlaps"], "{name}");
+        }
+    }
+}
+
+#[test]
+fn uvs_of_any_size_are_packed() {
+    let folder = Folder::new();
+    for size in ["1e308", "1e160", "1e-160", "1e-300"] {
+        let uvs = format!("vt -{size} 0\nvt {size} 0\nvt 0 {size}\nvt {size} {size}\n");
+        let mesh = folder.file("a.obj", format!("{PLACES}{uvs}f 1/1 2/2 3/3\nf 2/2 4/4 3/3\n"));
+        let out = folder.path("out.obj");
+        let result = run_on(&format!("pack --json - -o {}", out.display()), &[&mesh]).result();
+        assert_eq!(result["injective"], true, "{size}: {}", result["error"]);
+        assert_eq!(run_on("metrics --json -", &[&out]).result()["f"], result["f"], "{size}");
+        let texels = result["repacked"]["texels_per_unit"].as_f64().expect("a number");
+        let given = run_on(&format!("pack --json - --texels-per-unit {:e}", 0.5 * texels), &[&mesh]).result();
+        assert_eq!(given["repacked"]["texels_per_unit"].as_f64(), Some(0.5 * texels), "{size}");
+        let refused = run_on(&format!("pack --texels-per-unit {:e}", 4.0 * texels), &[&mesh]);
+        assert!(refused.code == 2 && refused.stderr.contains("use a lower --texels-per-unit"), "{}", refused.stderr);
+    }
+}

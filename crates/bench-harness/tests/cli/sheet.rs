@@ -236,7 +236,7 @@ fn options_of_sheets_that_do_not_fit_are_refused() {
         ("--units real --coverage 0.5", "--coverage concerns the unit square: leave it out, or --units real"),
         ("--dxf a.svg", "dxf"),
         ("--units real --margin 4", "--margin concerns the unit square: leave it out, or --units real"),
-        ("--units real --gap nan", "--gap must be at least 0, got NaN"),
+        ("--units real --gap nan", "--gap must be a length of at least 0, got NaN"),
     ] {
         let ran = run_on(options, &[missing]);
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{options}: {}", ran.stderr);
@@ -265,4 +265,27 @@ fn a_box_has_folds_at_its_edges_and_every_seam_has_its_number_twice() {
     assert_eq!(numbers, ["1", "1", "2", "2", "3", "3", "4", "4", "5", "5", "6", "6", "7", "7"]);
     let scale = layer("scale").expect("a layer");
     assert_eq!(scale.children().find_map(|node| node.text().filter(|t| t.ends_with("mm"))), Some("50 mm"));
+}
+
+#[test]
+fn a_gap_that_leaves_charts_no_digits_is_to_be_smaller() {
+    let folder = Folder::new();
+    let two = folder.file("two.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 5 5 0\nv 6 5 0\nv 5 6 1\nf 1 2 3\nf 4 5 6\n");
+    let ran = run_on("--units real --gap 1e300", &[&two]);
+    assert!(ran.code == 1 && ran.stderr.contains("try a smaller --gap"), "{}", ran.stderr);
+}
+
+#[test]
+fn the_part_of_a_sheet_that_is_covered_is_a_number_whatever_the_size() {
+    let folder = Folder::new();
+    let covered = |size: &str| {
+        let faces = "f 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n";
+        let mesh = folder.file("a.obj", format!("v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nv 0 0 {size}\n{faces}"));
+        let result = run_on("--units real --json -", &[&mesh]).result();
+        result["atlas"]["coverage"].as_f64().expect("a number")
+    };
+    let one = covered("1");
+    for size in ["1e307", "1e160", "1e-160"] {
+        assert!((covered(size) / one - 1.0).abs() < 1e-6, "{size}: {} {one}", covered(size));
+    }
 }

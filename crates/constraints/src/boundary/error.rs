@@ -20,6 +20,9 @@ pub enum BoundaryError {
     /// The boundary has fewer vertices than a rectangle has corners.
     #[error("a rectangle needs 4 boundary vertices, and there are {0}")]
     TooFew(usize),
+    /// The angles from which the corners are found are not all numbers, or lengths are beyond them.
+    #[error("no four corners of a rectangle can be told from the free solution: name them, rectangle=v0,v1,v2,v3")]
+    NoCorners,
     /// A vertex between two edges of one triangle, whose angle is that of the triangle.
     #[error(
         "vertex {vertex} is in one triangle only, so its angle is below π, and {angle} is asked for; make it a corner \

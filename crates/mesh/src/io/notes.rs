@@ -31,6 +31,8 @@ pub struct ReadNotes {
     pub vertices_welded: usize,
     /// Why there is no UV map though the file has UVs.
     pub uv_dropped: Option<UvDropped>,
+    /// The number `n` of the `TEXCOORD_n` of a glTF that the UVs are, where that is not 0.
+    pub texcoord: Option<u32>,
     /// Whether the file stores its UVs with 24 bits (PLY's `float`): what is proved of them is to be proved of those.
     pub uv_single: bool,
     /// Whether the last line is missing (`endsolid` of STL); everything before it is complete.
@@ -53,6 +55,13 @@ pub enum UvDropped {
         /// How many.
         corners: usize,
     },
+    /// A glTF does not have the set that was asked for, and has another.
+    OtherSet {
+        /// The number of the one that was asked for.
+        asked: u32,
+        /// That of the first that all triangles have.
+        other: u32,
+    },
     /// Some that corners use are NaN or infinite.
     NotFinite {
         /// How many.
@@ -64,6 +73,9 @@ impl fmt::Display for UvDropped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::CornersWithout { corners } => write!(f, "{corners} corners have none"),
+            Self::OtherSet { asked, other } => {
+                write!(f, "not all triangles have TEXCOORD_{asked}, but all have TEXCOORD_{other}")
+            }
             Self::NotFinite { points } => write!(f, "{points} of them are not finite"),
         }
     }
@@ -89,6 +101,9 @@ impl ReadNotes {
         say(self.vertices_welded, format!("{} vertices welded by exact position", self.vertices_welded));
         if let Some(why) = self.uv_dropped {
             say(1, format!("UVs left out: {why}"));
+        }
+        if let Some(set) = self.texcoord {
+            say(1, format!("its UVs are those of TEXCOORD_{set}"));
         }
         say(usize::from(self.end_missing), "the last line, `endsolid`, is missing".to_owned());
         if let Some(scene) = &self.scene {

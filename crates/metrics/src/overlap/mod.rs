@@ -34,7 +34,7 @@ use shallow::Shallow;
 
 /// After so many pairs of segments it is asked whether to go on.
 const PAIRS: usize = 1 << 16;
-/// The search ends after so many crossings and passes, and [`PER_SEGMENT`] for every segment: nobody needs to know them all,
+/// The search ends after so many crossings, shallow ones too, and passes, and [`PER_SEGMENT`] for every segment: nobody needs to know them all,
 /// and thousands of charts in one place have billions.
 const ENOUGH: usize = 4_000_000;
 /// Through a spot that nothing lies over at most two segments pass, and segments have at most twice as many spots. So a map
@@ -125,7 +125,7 @@ impl Overlaps {
             if looked_at.is_multiple_of(PAIRS) {
                 checkpoint().map_err(End::Cancelled)?;
             }
-            if self.crossings + passes.len() > enough {
+            if self.crossings + passes.len() + shallow.len() > enough {
                 return Err(End::Enough);
             }
             if !outline.extent(i).meets(&outline.extent(j)) {

@@ -45,6 +45,8 @@ pub struct Parted {
     pub for_coverage: usize,
     /// Cuts that were made for the margin inside of charts.
     pub for_margin: usize,
+    /// Whether it was ended before there was nothing more to cut.
+    pub is_unfinished: bool,
 }
 
 /// Cuts of one chart that are tried in full, the most promising first.
@@ -84,19 +86,35 @@ impl Atlas {
         stored: Stored,
         parting: &Parting,
     ) -> Result<Parted, AtlasError> {
+        self.pack_parting_while(mesh, unwrapped, (materials, forbidden), stored, (parting, &mut || true))
+    }
+
+    /// The same as long as `may_go_on` answers that it may: it is asked before every cut is tried. What is parted by then is
+    /// kept.
+    ///
+    /// # Errors
+    /// [`AtlasError`].
+    pub fn pack_parting_while(
+        &self,
+        mesh: &TriMesh,
+        unwrapped: Unwrapped,
+        (materials, forbidden): (Option<&[u32]>, Option<&[bool]>),
+        stored: Stored,
+        (parting, may_go_on): (&Parting, &mut dyn FnMut() -> bool),
+    ) -> Result<Parted, AtlasError> {
         parting.check()?;
         let uv = unwrapped.uv();
         let turned = unwrapped.turned.clone();
         let splitter = Splitter::new(mesh, &turned, &uv, (forbidden, stored.precision(), parting.max_stretch));
         let packed = self.pack(mesh, &unwrapped, materials, stored)?;
-        let mut parted = Parted { unwrapped, packed, for_coverage: 0, for_margin: 0 };
+        let mut parted = Parted { unwrapped, packed, for_coverage: 0, for_margin: 0, is_unfinished: false };
         let again = |unwrapped: &Unwrapped| self.pack(mesh, unwrapped, materials, stored);
         if let Some(aim) = parting.coverage {
             let budget = parting.seam_budget * splitter.seam_length(&parted.unwrapped);
-            self.cover(&splitter, &mut parted, (aim, budget), &again)?;
+            self.cover(&splitter, &mut parted, (aim, budget), (&again, may_go_on))?;
         }
         if parting.keeps_inner_margin {
-            self.keep_margin(&splitter, &mut parted, &again)?;
+            self.keep_margin(&splitter, &mut parted, (&again, may_go_on))?;
         }
         Ok(parted)
     }
@@ -107,13 +125,19 @@ impl Atlas {
         splitter: &Splitter<'_>,
         parted: &mut Parted,
         (aim, mut budget): (f64, f64),
-        again: &dyn Fn(&Unwrapped) -> Result<Packed, AtlasError>,
+        (again, may_go_on): (&Again<'_>, &mut dyn FnMut() -> bool),
     ) -> Result<(), AtlasError> {
         while parted.packed.coverage < aim {
             let Some((chart, cuts)) = self.cuts(splitter, &parted.unwrapped, budget) else { break };
             let mut gained = None;
             for cut in cuts.iter().take(TRIES) {
-                let Some(unwrapped) = splitter.parted(&parted.unwrapped, chart, cut)? else { continue };
+                if !may_go_on() {
+                    parted.is_unfinished = true;
+                    return Ok(());
+                }
+                let Some(halves) = splitter.halves(&parted.unwrapped, chart, cut)? else { continue };
+                let mut unwrapped = parted.unwrapped.clone();
+                halves.put_into(&mut unwrapped);
                 let Some(packed) = fitting(again(&unwrapped))? else { continue };
                 if packed.coverage > GAIN * parted.packed.coverage {
                     gained = Some((unwrapped, packed, cut.length));
@@ -132,15 +156,23 @@ impl Atlas {
         &self,
         splitter: &Splitter<'_>,
         parted: &mut Parted,
-        again: &dyn Fn(&Unwrapped) -> Result<Packed, AtlasError>,
+        (again, may_go_on): (&Again<'_>, &mut dyn FnMut() -> bool),
     ) -> Result<(), AtlasError> {
         loop {
-            let mut more = parted.clone();
-            if !self.part_narrow(splitter, &mut more)? {
+            let mut unwrapped = parted.unwrapped.clone();
+            let cuts = self.part_narrow(splitter, (&mut unwrapped, &parted.packed), may_go_on)?;
+            if cuts > 0 {
+                let Some(packed) = fitting(again(&unwrapped))? else { return Ok(()) };
+                (parted.unwrapped, parted.packed) = (unwrapped, packed);
+                parted.for_margin += cuts;
+            }
+            if !may_go_on() {
+                parted.is_unfinished = !parted.packed.narrow.is_empty();
                 return Ok(());
             }
-            let Some(packed) = fitting(again(&more.unwrapped))? else { return Ok(()) };
-            *parted = Parted { packed, ..more };
+            if cuts == 0 {
+                return Ok(());
+            }
         }
     }
 
@@ -190,27 +222,36 @@ impl Atlas {
     }
 
     /// Parts the charts that are too narrow somewhere, as often as that leaves fewer such places at the scale of the atlas.
-    fn part_narrow(&self, splitter: &Splitter<'_>, parted: &mut Parted) -> Result<bool, AtlasError> {
-        let within = f64::from(self.margin) / parted.packed.texels_per_unit;
-        let mut narrow: Vec<usize> = parted.packed.narrow.iter().map(|place| place.chart).collect();
+    /// How many cuts that were.
+    fn part_narrow(
+        &self,
+        splitter: &Splitter<'_>,
+        (unwrapped, packed): (&mut Unwrapped, &Packed),
+        may_go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<usize, AtlasError> {
+        let within = f64::from(self.margin) / packed.texels_per_unit;
+        let mut narrow: Vec<usize> = packed.narrow.iter().map(|place| place.chart).collect();
         narrow.sort_unstable();
         narrow.dedup();
-        let before = parted.for_margin;
+        let mut made = 0;
         // From the last one on, so that parts do not change the numbers of those that wait.
-        while let Some(chart) = narrow.pop() {
-            let Some(sheet) = splitter.sheet(&parted.unwrapped.charts[chart]) else { continue };
+        while let Some(chart) = narrow.pop().filter(|_| may_go_on()) {
+            let Some(sheet) = splitter.sheet(&unwrapped.charts[chart]) else { continue };
             for cut in sheet.between_narrow_sides(within) {
-                if let Some(unwrapped) = splitter.parted(&parted.unwrapped, chart, &cut)? {
-                    parted.unwrapped = unwrapped;
-                    parted.for_margin += 1;
+                if let Some(halves) = splitter.halves(unwrapped, chart, &cut)? {
+                    halves.put_into(unwrapped);
+                    made += 1;
                     narrow.extend([chart, chart + 1]);
                     break;
                 }
             }
         }
-        Ok(parted.for_margin > before)
+        Ok(made)
     }
 }
+
+/// Packs charts that were parted.
+type Again<'a> = dyn Fn(&Unwrapped) -> Result<Packed, AtlasError> + 'a;
 
 /// What was packed; `None` where the parts do not fit the pages.
 fn fitting(packed: Result<Packed, AtlasError>) -> Result<Option<Packed>, AtlasError> {

@@ -4,6 +4,7 @@ use super::super::judge::Parts;
 use super::corners::{corners, length};
 use super::cut::{Cut, Sheet};
 use crate::unwrap::{Unwrapped, UnwrappedChart};
+use abf_cut::first_at_place;
 use abf_mesh::{DisjointSets, FaceId, TriMesh, UvMap, VertexId};
 use abf_metrics::{MetricsError, Precision, certify, measure_certified};
 use std::collections::{HashMap, HashSet};
@@ -11,11 +12,33 @@ use std::collections::{HashMap, HashSet};
 /// Parts charts and measures their parts.
 pub(super) struct Splitter<'a> {
     mesh: &'a TriMesh,
+    /// The lowest vertex in the place of every vertex: faces that meet along a seam may have vertices of their own.
+    first_at: Vec<VertexId>,
     /// Of all faces, where their charts came out.
     parts: Parts<'a>,
     forbidden: Option<&'a [bool]>,
     precision: Precision,
     max_stretch: f64,
+}
+
+/// A chart in two.
+pub(super) struct Halves {
+    chart: usize,
+    parts: [UnwrappedChart; 2],
+    /// The edges of the cut.
+    edges: Vec<[VertexId; 2]>,
+    length: f64,
+}
+
+impl Halves {
+    /// Puts them in the place of their chart.
+    pub(super) fn put_into(self, unwrapped: &mut Unwrapped) {
+        unwrapped.charts.splice(self.chart..=self.chart, self.parts);
+        unwrapped.seams.extend(self.edges);
+        unwrapped.seams.sort_unstable();
+        unwrapped.seams.dedup();
+        unwrapped.seam_length += self.length;
+    }
 }
 
 impl<'a> Splitter<'a> {
@@ -26,7 +49,8 @@ impl<'a> Splitter<'a> {
         uv: &'a UvMap,
         (forbidden, precision, max_stretch): (Option<&'a [bool]>, Precision, f64),
     ) -> Self {
-        Self { mesh, parts: Parts::new(mesh, turned, uv), forbidden, precision, max_stretch }
+        let (first_at, parts) = (first_at_place(mesh), Parts::new(mesh, turned, uv));
+        Self { mesh, first_at, parts, forbidden, precision, max_stretch }
     }
 
     /// The edges of a chart; `None` for one that cannot be parted.
@@ -43,41 +67,46 @@ impl<'a> Splitter<'a> {
         0.5 * borders.map(|edge| length(self.mesh, edge)).sum::<f64>()
     }
 
-    /// Everything with one chart in two. `None` where the cut does not make two of it, or a part stretches too much.
-    pub(super) fn parted(
+    /// One chart in two. `None` where the cut does not make two of it, or a part stretches too much.
+    pub(super) fn halves(
         &self,
         unwrapped: &Unwrapped,
         chart: usize,
         cut: &Cut,
-    ) -> Result<Option<Unwrapped>, MetricsError> {
+    ) -> Result<Option<Halves>, MetricsError> {
         let whole = &unwrapped.charts[chart];
         let Some(is_other) = self.sides(whole, cut) else { return Ok(None) };
         let most = self.max_stretch.max(whole.metrics.stretch_l2);
-        let mut seams = unwrapped.seams.clone();
-        seams.extend(self.edges(whole, cut));
+        let edges = self.edges(whole, cut);
+        let mut seams: Vec<_> = unwrapped.seams.iter().chain(&edges).map(|&edge| self.in_place(edge)).collect();
         seams.sort_unstable();
-        seams.dedup();
-        let mut parts = Vec::with_capacity(2);
-        for side in [false, true] {
+        let half = |side: bool| -> Result<Option<UnwrappedChart>, MetricsError> {
             let mut part = part_of(whole, |i| is_other[i] == side);
             let (mesh, uv, _) = self.parts.of(&part.faces);
             let certificate = certify(&mesh, &uv, self.precision)?;
             part.metrics = measure_certified(&mesh, &uv, certificate)?;
-            if !(part.metrics.injective() && part.metrics.stretch_l2 <= most) {
-                return Ok(None);
-            }
-            let mut edges = border(self.mesh, &part);
-            edges.sort_unstable();
-            edges.dedup();
-            let of_seam = edges.into_iter().filter(|edge| seams.binary_search(edge).is_ok());
-            part.seam_length = of_seam.map(|edge| length(self.mesh, edge)).sum();
-            parts.push(part);
-        }
-        let mut parted = unwrapped.clone();
-        parted.charts.splice(chart..=chart, parts);
-        parted.seams = seams;
-        parted.seam_length += cut.length;
-        Ok(Some(parted))
+            part.seam_length = self.length_within(&part, &seams);
+            let is_kept = part.metrics.injective() && part.metrics.stretch_l2 <= most;
+            Ok(is_kept.then_some(part))
+        };
+        let Some(one) = half(false)? else { return Ok(None) };
+        let Some(other) = half(true)? else { return Ok(None) };
+        Ok(Some(Halves { chart, parts: [one, other], edges, length: cut.length }))
+    }
+
+    /// The length of the edges of a chart that are among the seams; one with the chart on both sides counts once.
+    fn length_within(&self, chart: &UnwrappedChart, seams: &[[VertexId; 2]]) -> f64 {
+        let mut edges: Vec<_> = border(self.mesh, chart).into_iter().map(|edge| self.in_place(edge)).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        let of_seam = edges.into_iter().filter(|edge| seams.binary_search(edge).is_ok());
+        of_seam.map(|edge| length(self.mesh, edge)).sum()
+    }
+
+    /// An edge by the lowest vertices in the places of its ends.
+    fn in_place(&self, ends: [VertexId; 2]) -> [VertexId; 2] {
+        let [a, b] = ends.map(|v| self.first_at[v.index()]);
+        [a.min(b), a.max(b)]
     }
 
     /// The edges of a cut, the lower vertex first.

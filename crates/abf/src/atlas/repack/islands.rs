@@ -1,15 +1,13 @@
 //! The islands of a UV map.
 
 use super::super::AtlasError;
-use super::super::judge::{Judge, Proved, sharing};
+use super::super::judge::{Judge, Proved, Selected, has_area};
 use super::super::outline;
 use super::overlapping::overlapping;
 use super::stacked::Stacked;
 use super::xy;
-use abf_cut::Repaired;
 use abf_mesh::{DisjointSets, FaceId, Point2, TriMesh, UvId, UvMap};
-use abf_metrics::{Precision, charts};
-use std::borrow::Cow;
+use abf_metrics::{MetricsError, Precision};
 use std::collections::HashMap;
 
 /// The islands of a map, and which lie over each other.
@@ -19,12 +17,17 @@ pub(super) struct Islands<'a> {
     pub(super) of_face: Vec<usize>,
     /// The faces of every island, ascending.
     pub(super) faces: Vec<Vec<FaceId>>,
-    /// Those that are judged: without faces that have the vertices and the UVs of an earlier one.
+    /// Those that are judged.
     pub(super) judged: Vec<Vec<FaceId>>,
     /// The faces that repair turned around, ascending, those that are not judged left out.
     pub(super) turned: Vec<FaceId>,
+    /// How many faces have the vertices and the UVs of an earlier one.
+    pub(super) shared: usize,
     /// What is proved of every island.
     pub(super) proved: Vec<Proved>,
+    /// Whether all faces of an island that are judged are lines. It is put into one point: rounding would make triangles of
+    /// them.
+    is_line: Vec<bool>,
     /// The lowest island of those that lie over each other.
     bundle: Vec<usize>,
     /// Whether an island lies over no other one.
@@ -32,39 +35,51 @@ pub(super) struct Islands<'a> {
 }
 
 impl<'a> Islands<'a> {
+    /// The islands of a map, which has a point for every corner of the mesh.
     pub(super) fn find(
         mesh: &TriMesh,
-        repaired: Option<&(Cow<'_, TriMesh>, Repaired)>,
-        uv: &'a UvMap,
+        (uv, of_face): (&'a UvMap, Vec<usize>),
+        selected: Selected,
         precision: Precision,
     ) -> Result<Self, AtlasError> {
-        let of_face = charts(mesh, uv)?;
-        // What is shared is looked up in the UVs, which are known to be those of the mesh by now.
-        let is_shared = repaired.map_or_else(|| vec![false; mesh.face_count()], |(joined, _)| sharing(joined, uv));
-        let mut turned = repaired.map(|(_, repaired)| repaired.turned_faces()).unwrap_or_default();
-        turned.retain(|f| !is_shared[f.index()]);
+        let shared = selected.shared();
+        let Selected { faces: all_judged, turned, .. } = selected;
         let count = of_face.iter().max().map_or(0, |last| last + 1);
-        let mut faces = vec![Vec::new(); count];
-        of_face.iter().enumerate().for_each(|(f, &island)| faces[island].push(FaceId::new(f)));
-        let is_judged = |f: &FaceId| !is_shared[f.index()];
-        let judged: Vec<Vec<FaceId>> =
-            faces.iter().map(|faces: &Vec<FaceId>| faces.iter().copied().filter(is_judged).collect()).collect();
+        let by_island = |faces: &mut dyn Iterator<Item = FaceId>| {
+            let mut of_island = vec![Vec::new(); count];
+            faces.for_each(|f| of_island[of_face[f.index()]].push(f));
+            of_island
+        };
+        let faces = by_island(&mut (0..of_face.len()).map(FaceId::new));
+        let judged = by_island(&mut all_judged.iter().copied());
         let judge = Judge::new(mesh, &turned, uv, precision);
-        let whole = judge.certificate(&[judged.concat()])?;
+        let whole = judge.certificate(&[all_judged])?;
+        // Of an island that is not judged nothing is proved: its faces may be lines.
+        let of_none = |judged: &Vec<FaceId>| Proved { is_valid: !judged.is_empty(), is_injective: !judged.is_empty() };
         let mut found = Self {
             uv,
+            proved: judged.iter().map(of_none).collect(),
+            is_line: vec![false; count],
             of_face,
             judged,
             turned: Vec::new(),
-            proved: vec![Proved { is_valid: true, is_injective: true }; count],
+            shared,
             bundle: (0..count).collect(),
             is_single: vec![true; count],
             faces,
         };
         // An island whose faces are all shared stays with the one that it shares them with.
-        if !whole.injective() || found.shared() > 0 {
+        if !whole.injective() || shared > 0 {
             for (i, faces) in found.judged.iter().enumerate().filter(|(_, faces)| !faces.is_empty()) {
-                found.proved[i] = Proved::of(&judge.certificate_of(faces)?);
+                found.proved[i] = match judge.certificate_of(faces) {
+                    Err(MetricsError::NoArea { .. }) => Proved { is_valid: false, is_injective: false },
+                    certificate => Proved::of(&certificate?),
+                };
+                found.is_line[i] = !found.proved[i].is_valid && judge.are_flat(faces);
+            }
+            for (faces, _) in found.judged.iter_mut().zip(&found.is_line).filter(|(_, is_line)| **is_line) {
+                // Without area in one point they are nothing to judge.
+                faces.retain(|&f| has_area(mesh, f));
             }
             let mut sets = DisjointSets::new(count);
             overlapping(uv, &found.of_face, &mut sets);
@@ -75,11 +90,6 @@ impl<'a> Islands<'a> {
         }
         found.turned = turned;
         Ok(found)
-    }
-
-    /// How many faces have the vertices and the UVs of an earlier one.
-    pub(super) fn shared(&self) -> usize {
-        self.of_face.len() - self.judged.iter().map(Vec::len).sum::<usize>()
     }
 
     pub(super) fn len(&self) -> usize {
@@ -126,6 +136,10 @@ impl<'a> Islands<'a> {
         faces.iter().flat_map(|face| face.corners()).map(|corner| self.uv.corners()[corner.index()])
     }
 
+    fn first_point(&self, island: usize) -> Point2<f64> {
+        self.uv.corner(self.faces[island][0].corner(0))
+    }
+
     pub(super) fn point(&self, id: UvId) -> [f64; 2] {
         xy(self.uv.points()[id.index()])
     }
@@ -140,6 +154,9 @@ impl<'a> Islands<'a> {
 
     /// What an island covers.
     pub(super) fn polygons(&self, island: usize) -> Vec<Vec<Vec<[f64; 2]>>> {
+        if self.is_line[island] {
+            return vec![vec![vec![xy(self.first_point(island)); 3]]];
+        }
         outline::polygons(self.joined(island).triangles(), |id| self.point(id), self.proved[island].is_injective)
     }
 
@@ -163,9 +180,13 @@ impl<'a> Islands<'a> {
         let mut points = vec![Point2::origin(); self.uv.points().len()];
         for (island, leader) in stacked_on.iter().enumerate() {
             match leader {
-                None => self.all_corners(island).for_each(|id| {
-                    points[id.index()] = place(island, self.uv.points()[id.index()]);
-                }),
+                None => {
+                    let first = self.first_point(island);
+                    self.all_corners(island).for_each(|id| {
+                        let p = if self.is_line[island] { first } else { self.uv.points()[id.index()] };
+                        points[id.index()] = place(island, p);
+                    });
+                }
                 Some(leader) => leader.points.iter().for_each(|&(own, upon)| {
                     points[own.index()] = place(leader.on, self.uv.points()[upon.index()]);
                 }),

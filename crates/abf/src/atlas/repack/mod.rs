@@ -5,13 +5,15 @@ mod islands;
 mod overlapping;
 mod stacked;
 
-use super::judge::{Judge, as_repaired};
+use super::judge::{Judge, Selected};
 use super::{Atlas, AtlasError, NarrowPlace, Placement, Stored};
 use abf_cut::Weld;
 use abf_mesh::{FaceId, Point2, TriMesh, UvMap};
-use abf_metrics::Metrics;
-use abf_pack::{Packing, Piece};
+use abf_metrics::{Metrics, MetricsError, charts};
+use abf_pack::{PackError, PackSettings, Packing, Piece};
 use islands::Islands;
+use std::borrow::Cow;
+use std::ops::RangeInclusive;
 
 /// Lays out anew the UV islands that a mesh has: packed by their shape, all scaled alike, none of them changed otherwise.
 ///
@@ -85,7 +87,8 @@ impl Repack {
     /// Packs the islands of `uv`. The other arguments are those of [`Atlas::pack`]; a component is a set of faces that are
     /// connected by vertices.
     ///
-    /// An island that is valid or injective before, and would not be after turning and rounding, is not turned.
+    /// An island that is valid or injective before, and would not be after turning and rounding, is not turned. One of lines
+    /// only, which no texel is in, is put into one point.
     ///
     /// # Errors
     /// [`AtlasError`]; [`AtlasError::Metrics`] for UVs that are NaN or infinite.
@@ -96,11 +99,30 @@ impl Repack {
         materials: Option<&[u32]>,
         stored: Stored,
     ) -> Result<Repacked, AtlasError> {
+        self.run_within(mesh, uv, (materials, None), stored)
+    }
+
+    /// The same for a mesh of several objects, of which the vertices are not joined with each other before it is judged; both
+    /// lists have a label for each face.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_within(
+        &self,
+        mesh: &TriMesh,
+        uv: &UvMap,
+        (materials, objects): (Option<&[u32]>, Option<&[u32]>),
+        stored: Stored,
+    ) -> Result<Repacked, AtlasError> {
         let (atlas, precision) = (&self.atlas, stored.precision());
         atlas.check()?;
-        // Faces that repair turns around are judged so. Where it leaves nothing, nothing was turned.
-        let repaired = as_repaired(mesh, Weld::Auto, None).ok();
-        let islands = Islands::find(mesh, repaired.as_ref(), uv, precision)?;
+        let of_face = charts(mesh, uv)?;
+        check_finite(uv)?;
+        let (uv, factor) = &in_range(uv);
+        // Where repair leaves nothing, all is judged as it is.
+        let objects = objects.filter(|objects| objects.len() == mesh.face_count());
+        let selected = Selected::of(mesh, uv, Weld::Auto, objects).unwrap_or_else(|_| Selected::all(mesh.face_count()));
+        let islands = Islands::find(mesh, (uv, of_face), selected, precision)?;
         let group =
             atlas.groups(mesh, islands.faces.iter().map(Vec::as_slice), || islands.components(mesh), materials)?;
         let stacked_on = if self.stack { congruent::stacks(&islands, &group) } else { vec![None; islands.len()] };
@@ -113,10 +135,11 @@ impl Repack {
                 keeps_its_angle: false,
             })
             .collect();
-        let settings = atlas.packer(precision);
+        let texels_per_unit = atlas.texels_per_unit.map(|texels| texels / factor);
+        let settings = PackSettings { texels_per_unit, ..atlas.packer(precision) };
         loop {
             let Packing { texels_per_unit, placements, pages, coverage, .. } =
-                abf_pack::pack(&pieces, &settings).map_err(|error| atlas.refused(error))?;
+                abf_pack::pack(&pieces, &settings).map_err(|error| atlas.refused(in_units(error, *factor)))?;
             let mut of_island = vec![Placement::from(placements[0]); islands.len()];
             for (bundle, &placed) in bundles.iter().zip(&placements) {
                 bundle.iter().for_each(|&i| of_island[i] = placed.into());
@@ -144,11 +167,15 @@ impl Repack {
             if spoilt.is_empty() {
                 let metrics = judge.metrics(&islands.judged.concat(), certificate, atlas.page)?;
                 let mut narrow = atlas.narrow_places(&pieces, &vec![1.0; pieces.len()], texels_per_unit);
-                narrow.iter_mut().for_each(|place| place.chart = bundles[place.chart][0]);
+                for place in &mut narrow {
+                    place.chart = bundles[place.chart][0];
+                    place.ends = place.ends.map(|end| end / *factor);
+                }
+                of_island.iter_mut().for_each(|placed| placed.low /= *factor);
                 return Ok(Repacked {
                     islands: islands.len(),
                     turned: islands.turned.len(),
-                    shared: islands.shared(),
+                    shared: islands.shared,
                     overlapping: bundles.iter().filter(|bundle| bundle.len() > 1).map(Vec::len).sum(),
                     placements: of_island,
                     stacked_on: stacked_on.into_iter().map(|leader| leader.map(|leader| leader.on)).collect(),
@@ -156,7 +183,7 @@ impl Repack {
                     island_of_face: islands.of_face,
                     uv: packed,
                     pages,
-                    texels_per_unit,
+                    texels_per_unit: (texels_per_unit * factor).min(f64::MAX),
                     coverage,
                     narrow,
                     metrics,
@@ -164,6 +191,41 @@ impl Repack {
             }
             spoilt.into_iter().for_each(|at| pieces[turnable[at].0].keeps_its_angle = true);
         }
+    }
+}
+
+/// Every UV has to be a number.
+fn check_finite(uv: &UvMap) -> Result<(), MetricsError> {
+    let is_bad = |f: &FaceId| uv.triangle(*f).iter().any(|p| !(p.x.is_finite() && p.y.is_finite()));
+    let mut bad = (0..uv.corners().len() / 3).map(FaceId::new).filter(is_bad);
+    match bad.next() {
+        Some(first) => Err(MetricsError::UvNotFinite { first, count: 1 + bad.count() }),
+        None => Ok(()),
+    }
+}
+
+/// UVs that can be squared and added without leaving the range of numbers, and the power of two they were multiplied by.
+fn in_range(uv: &UvMap) -> (Cow<'_, UvMap>, f64) {
+    const SAFE: RangeInclusive<f64> = 1e-100..=1e100;
+    let largest = uv.triangles().flatten().map(|p| p.coords.amax()).fold(0.0, f64::max);
+    if largest == 0.0 || SAFE.contains(&largest) {
+        return (Cow::Borrowed(uv), 1.0);
+    }
+    let factor = (-largest.log2().floor()).clamp(-1000.0, 1000.0).exp2();
+    (Cow::Owned(uv.clone().mapped(|p| p * factor)), factor)
+}
+
+/// A refusal of the packer in the units of UVs that were multiplied by a factor.
+fn in_units(error: PackError, factor: f64) -> PackError {
+    match error {
+        PackError::PieceTooLarge { piece, width, height, texels_per_unit, largest } => {
+            let [texels_per_unit, largest] = [texels_per_unit, largest].map(|texels| texels * factor);
+            PackError::PieceTooLarge { piece, width, height, texels_per_unit, largest }
+        }
+        PackError::TooManyPages { pieces, pages, texels_per_unit } => {
+            PackError::TooManyPages { pieces, pages, texels_per_unit: texels_per_unit * factor }
+        }
+        error => error,
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the boundary is to look like, as it is typed.
 
 use abf::{Boundary, SettingError};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// What stands before the name of a file of angles.
@@ -14,6 +14,16 @@ pub(crate) enum BoundaryRule {
     Rule(Boundary),
     /// A file with one vertex and its angle on each line.
     File(PathBuf),
+}
+
+impl BoundaryRule {
+    /// The file of angles, if it is one.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Rule(_) => None,
+            Self::File(path) => Some(path),
+        }
+    }
 }
 
 impl FromStr for BoundaryRule {

@@ -221,6 +221,12 @@ pub(crate) struct MetricsArgs {
     /// Which vertices in one place that repair joins: as the option of flattening [default: auto]
     #[arg(long, value_name = "auto|off|DISTANCE", allow_negative_numbers = true, conflicts_with = "as_stored")]
     pub(crate) weld: Option<Weld>,
+    /// Texels of the page along x and y, where it is no square: figures are those of texels, as when it was packed so
+    #[arg(long, value_name = "WxH")]
+    pub(crate) page: Option<PageSize>,
+    /// Judge the UVs of set N of a glTF [default: the set that this program wrote last, else 0]
+    #[arg(long, value_name = "N")]
+    pub(crate) uv_set: Option<u32>,
     /// Write the results as JSON; with - to stdout, and the table goes to stderr
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,

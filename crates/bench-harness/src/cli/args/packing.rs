@@ -125,6 +125,9 @@ pub(crate) struct PackArgs {
     /// Lay islands of one shape upon each other, turned but not mirrored
     #[arg(long, help_heading = ISLANDS)]
     pub(crate) stack: bool,
+    /// Pack the UVs of set N of a glTF, and write them there [default: the set that this program wrote last, else 0]
+    #[arg(long, value_name = "N", help_heading = ISLANDS)]
+    pub(crate) uv_set: Option<u32>,
     /// How islands are laid out.
     #[command(flatten)]
     pub(crate) packing: PackingArgs,

@@ -5,10 +5,12 @@ use super::settings::Settings;
 use crate::record::Record;
 use crate::record::failure::Failure;
 use crate::run::cancel::Cancel;
+use crate::run::judge::Judging;
 use crate::run::load::Loaded;
-use crate::run::write::write;
-use crate::show::{console, files};
-use abf::Developed;
+use crate::run::write::{How, write};
+use crate::show::{advice, console, files};
+use abf::{Developed, Precision};
+use abf_mesh::io::GltfTexcoords;
 use abf_mesh::{TriMesh, UvMap, VertexId};
 use abf_report::dxf::{DxfStyle, layout_dxf};
 use abf_report::svg::{SvgStyle, layout_svg};
@@ -38,11 +40,18 @@ pub(super) fn write_files(
     let (mesh, charting) = (loaded.mesh(), &settings.charting);
     let begin = Instant::now();
     let mut remap = None;
+    let page = record.atlas.as_ref().and_then(|atlas| atlas.page);
+    let judging = Judging { precision: Precision::Single, page, repair: Some(charting.unwrap.weld) };
+    let texcoords = GltfTexcoords { set: None, overwrite: charting.overwrite };
     let written = settings.output.as_deref().map(|path| {
-        let written = write(path, loaded, uv, charting.overwrite);
+        let written = write(path, loaded, uv, How { texcoords, judging: Some(judging) });
         (
             path,
-            written.map(|kept| {
+            written.map(|mut kept| {
+                kept.correct(&mut record.quality);
+                if record.atlas.is_some() {
+                    record.hint = advice::next_for_charts(record);
+                }
                 remap = kept.remap;
                 kept.notes.iter().for_each(|note| console::note(&record.mesh, note));
                 record.notes.extend(kept.notes);

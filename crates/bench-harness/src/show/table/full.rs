@@ -2,7 +2,7 @@
 
 use crate::record::number::{count, megabytes, seconds, significant};
 use crate::record::{InnerAccuracy, Kkt, Quality, Record, RunRecord, Size, Timings};
-use crate::show::advice::ending;
+use crate::show::advice::{ending, lost_in_single};
 use abf::{Boundary, LinAbf, Metrics, Precision, Solver, SolverKind};
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -298,6 +298,9 @@ fn distortion_lines(m: &Quality) -> Vec<(&'static str, String)> {
         let said: Vec<String> =
             [(m.turned, turned), (m.shared, shared)].into_iter().filter(|s| s.0 > 0).map(|s| s.1).collect();
         lines.push(("as repaired", said.join(", ")));
+    }
+    if m.lost > 0 {
+        lines.push(("lost", lost_in_single(m)));
     }
     if m.degenerate_3d > 0 {
         let one = "triangle without area on the surface, not in these figures";

@@ -16,6 +16,9 @@ use super::surface::{Found, TRIANGLES, check_count};
 use super::{GltfDocument, GltfPrimitive};
 use crate::{Point2, UvMap};
 
+/// The name of the accessors of UVs that [`GltfDocument::set_uvs`] wrote last. A name changes nothing for other programs.
+pub(super) const OWN: &str = "abf UVs";
+
 /// Where new UVs go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct GltfTexcoords {
@@ -100,6 +103,9 @@ impl GltfDocument {
     /// count without gaps. Nothing else of the document changes, and nothing at all if there is an error. Tangents are
     /// kept: they belong to the UVs they were made for.
     ///
+    /// The accessors of the new UVs have a name of their own, and those that had it before lose it:
+    /// [`GltfDocument::surface`] finds the last set by it.
+    ///
     /// # Errors
     /// [`WriteError::UvMismatch`], [`WriteError::NotFinite`] (in 32 bits), [`WriteError::TexcoordTaken`],
     /// [`WriteError::TexcoordGap`], and [`WriteError::Document`] for attributes that cannot be copied.
@@ -134,9 +140,18 @@ impl GltfDocument {
             }));
         }
         remap.primitives.sort_unstable_by_key(|p| (p.mesh, p.primitive));
+        self.disown();
         appended.commit(self);
         edits.into_iter().for_each(|edit| self.apply(edit));
         Ok(remap)
+    }
+
+    /// Takes the name of the last UVs from the accessors that have it.
+    fn disown(&mut self) {
+        let accessors = self.json.get_mut("accessors").and_then(Value::as_array_mut);
+        for accessor in accessors.into_iter().flatten().filter_map(Value::as_object_mut) {
+            *accessor = without_own_name(accessor);
+        }
     }
 
     /// The set that is asked for, if it is possible.
@@ -169,7 +184,7 @@ impl GltfDocument {
         let Some(first) = group.first() else { return Ok(Vec::new()) };
         let attributes = &first.found.attributes;
         let new = format!("TEXCOORD_{set}");
-        let template = object(json!({"componentType": Component::F32.code(), "type": "VEC2"}));
+        let template = object(json!({"name": OWN, "componentType": Component::F32.code(), "type": "VEC2"}));
         let uvs = split.uvs.iter().map(|uv| Cow::Owned(uv.map(f32::to_le_bytes).as_flattened().to_vec()));
         let uv_accessor = appended.attribute(template, 2 * Component::F32.size(), uvs);
         let mut names = Vec::new();
@@ -218,7 +233,7 @@ impl GltfDocument {
             let copy = *copies.entry(index).or_insert_with(|| {
                 let old: Vec<u32> = split.old_vertices().collect();
                 let elements = old.iter().map(|&v| accessor.element(v as usize));
-                appended.attribute(accessor.item().fields().clone(), accessor.size(), elements)
+                appended.attribute(without_own_name(accessor.item().fields()), accessor.size(), elements)
             });
             out.push((name.clone(), copy));
         }
@@ -269,6 +284,15 @@ impl GltfDocument {
             }
         }
     }
+}
+
+/// The fields of an accessor, without the name of the last UVs.
+fn without_own_name(accessor: &Object) -> Object {
+    let mut accessor = accessor.clone();
+    if accessor.get("name").and_then(Value::as_str) == Some(OWN) {
+        accessor.shift_remove("name");
+    }
+    accessor
 }
 
 /// Primitives of one mesh that share all attributes and morph targets share their vertices.

@@ -14,7 +14,8 @@
 //! the layout with v up is then the texture as it is. Numbers are stored in 32 bits: [`stored_uv`] says what becomes of
 //! a UV.
 //!
-//! **What is edited.** Buffer views and accessors stay as they are; what is new is appended. A vertex is split only where
+//! **What is edited.** Buffer views and accessors stay as they are, but for the name that marks the UVs written last; what is
+//! new is appended. A vertex is split only where
 //! corners of it have different UVs: the first keeps its number, the others come after all old vertices, with all
 //! attributes and morph targets copied byte by byte.
 //!

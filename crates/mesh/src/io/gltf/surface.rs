@@ -7,6 +7,7 @@ use super::super::error::ReadError;
 use super::super::{MeshFile, ReadNotes, UvDropped};
 use super::GltfDocument;
 use super::accessor::{Accessor, Component};
+use super::edit::OWN;
 use super::json::Item;
 use super::place::{GltfPlace, Places};
 use crate::{Point2, Point3, TriMesh, UvId, UvMap, VertexId};
@@ -45,8 +46,10 @@ pub struct GltfPrimitive {
 pub struct GltfSurface {
     /// The surface: the vertices of each mesh welded by exact position, without those that no triangle uses.
     pub mesh: TriMesh,
-    /// The UVs, if every primitive has the set that was asked for.
+    /// The UVs, if every primitive has the set.
     pub uv: Option<UvMap>,
+    /// The number `n` of the `TEXCOORD_n` that they are.
+    pub set: u32,
     /// What was done to get there.
     pub notes: ReadNotes,
     /// The primitives it consists of.
@@ -108,12 +111,12 @@ impl GltfDocument {
         self.found(&mut notes)?.iter().map(|found| self.primitive(found, &mut notes)).collect()
     }
 
-    /// The surface with the UVs of the first set, `TEXCOORD_0`.
+    /// The surface with the UVs of the set that [`Self::set_uvs`] wrote last, or else of `TEXCOORD_0`.
     ///
     /// # Errors
     /// As [`Self::surface_with_set`].
     pub fn surface(&self) -> Result<GltfSurface, ReadError> {
-        self.surface_with_set(0)
+        self.surface_with(None)
     }
 
     /// All triangles as one mesh, with the UVs of `TEXCOORD_set` if every primitive has it.
@@ -121,6 +124,10 @@ impl GltfDocument {
     /// # Errors
     /// A [`ReadError`] with the place in the document; [`ReadError::NoFaces`] where there is no triangle.
     pub fn surface_with_set(&self, set: u32) -> Result<GltfSurface, ReadError> {
+        self.surface_with(Some(set))
+    }
+
+    fn surface_with(&self, set: Option<u32>) -> Result<GltfSurface, ReadError> {
         let mut notes = ReadNotes::default();
         let found = self.found(&mut notes)?;
         let primitives: Vec<_> =
@@ -136,7 +143,9 @@ impl GltfDocument {
             let vertices = primitives.iter().map(|p| p.positions.len()).sum();
             return Err(ReadError::NoFaces { file: self.file.clone(), vertices });
         }
+        let set = set.or_else(|| self.own_set(&found, &primitives)).unwrap_or(0);
         let uv = self.uv_map(&found, &primitives, &welded, set, &mut notes)?;
+        notes.texcoord = Some(set).filter(|&set| set > 0 && uv.is_some());
         let mut end = 0;
         let faces = primitives.iter().map(|p| {
             let start = end;
@@ -148,6 +157,7 @@ impl GltfDocument {
             vertices: primitives.iter().flat_map(|p| p.triangles.as_flattened()).copied().collect(),
             mesh: TriMesh::of_ids(welded.positions, welded.faces),
             uv,
+            set,
             notes,
             primitives,
             places,
@@ -234,6 +244,21 @@ impl GltfDocument {
         Ok(assemble(found.mode, list.len(), |i| list[i] as u32, notes))
     }
 
+    /// The set of all primitives with triangles that [`Self::set_uvs`] has marked as its own.
+    fn own_set(&self, found: &[Found<'_>], primitives: &[GltfPrimitive]) -> Option<u32> {
+        let with_triangles = || found.iter().zip(primitives).filter(|(_, p)| !p.triangles.is_empty());
+        let is_own = |attributes: &Item<'_>, set: u32| {
+            let name = format!("TEXCOORD_{set}");
+            let index = attributes.number(&name).ok().flatten();
+            let accessor = index.and_then(|i| self.root().element("accessors", i, (attributes, &name)).ok());
+            accessor.is_some_and(|accessor| accessor.text("name") == Some(OWN))
+        };
+        let (_, first) = with_triangles().next()?;
+        // Sets below may be the same where there were none: the highest is the one that was written.
+        let is_everywhere = |set: &u32| with_triangles().all(|(found, _)| is_own(&found.attributes, *set));
+        first.texcoords.iter().rev().copied().find(is_everywhere)
+    }
+
     /// The UVs of a set, if all primitives have it.
     fn uv_map(
         &self,
@@ -246,7 +271,11 @@ impl GltfDocument {
         let with = |p: &&GltfPrimitive| p.texcoords.contains(&set) || p.triangles.is_empty();
         let (have, without): (Vec<_>, Vec<_>) = primitives.iter().partition(with);
         if !without.is_empty() {
-            if have.iter().any(|p| !p.triangles.is_empty()) {
+            let in_all = |other: &u32| primitives.iter().all(|p| p.texcoords.contains(other) || p.triangles.is_empty());
+            let other = without.iter().flat_map(|p| &p.texcoords).copied().find(in_all);
+            if let Some(other) = other {
+                notes.uv_dropped = Some(UvDropped::OtherSet { asked: set, other });
+            } else if have.iter().any(|p| !p.triangles.is_empty()) {
                 let corners = without.iter().map(|p| 3 * p.triangles.len()).sum();
                 notes.uv_dropped = Some(UvDropped::CornersWithout { corners });
             }

@@ -67,6 +67,10 @@ fn rest(document: &GltfDocument, before: &GltfDocument) -> String {
         let count = before.json()[key].as_array().map_or(0, Vec::len);
         json[key].as_array_mut().expect("a list").truncate(count);
     }
+    // The UVs that were written last have a name, which those before lose.
+    for accessor in json["accessors"].as_array_mut().expect("a list").iter_mut().filter_map(Value::as_object_mut) {
+        accessor.retain(|key, value| key != "name" || value != "abf UVs");
+    }
     for mesh in json["meshes"].as_array_mut().expect("meshes") {
         for primitive in mesh["primitives"].as_array_mut().expect("primitives") {
             for key in ["attributes", "targets"] {
@@ -195,6 +199,34 @@ fn a_second_set_follows_and_old_ones_are_kept_unless_overwritten() {
         let overwritten = GltfTexcoords { set: None, overwrite: true };
         assert_eq!(check(name, &bytes, true, overwritten).1.set, 0, "{name}");
     }
+}
+
+#[test]
+fn the_surface_has_the_uvs_that_were_written_last() {
+    for (name, bytes) in kinds() {
+        let first = document(&bytes).surface().expect("a surface");
+        assert_eq!((first.set, first.notes.texcoord), (0, None), "{name}");
+        let (once, remap) = check(name, &bytes, true, GltfTexcoords::default());
+        let set_of = |document: &GltfDocument| document.surface().expect("a surface").set;
+        assert_eq!(set_of(&once), remap.set, "{name}");
+        let (twice, remap) = check(name, &once.to_glb().expect("packed"), true, GltfTexcoords::default());
+        assert_eq!(set_of(&twice), remap.set, "{name}");
+        let surface = twice.surface().expect("a surface");
+        assert_eq!(surface.uv, twice.surface_with_set(remap.set).expect("a surface").uv, "{name}");
+        assert_eq!(surface.notes.texcoord, Some(remap.set), "{name}");
+        let overwritten = GltfTexcoords { set: None, overwrite: true };
+        assert_eq!(set_of(&check(name, &twice.to_glb().expect("packed"), true, overwritten).0), 0, "{name}");
+    }
+}
+
+#[test]
+fn a_set_that_is_not_there_is_told_with_one_that_is() {
+    let (_, bytes) = kinds().into_iter().find(|(name, _)| *name == "primitives").expect("the kind");
+    let (after, remap) = check("primitives", &bytes, true, GltfTexcoords::default());
+    let surface = after.surface_with_set(9).expect("a surface");
+    assert_eq!(surface.uv, None);
+    let said = surface.notes.uv_dropped.expect("a reason").to_string();
+    assert!(remap.set == 2 && said.contains("TEXCOORD_9") && said.contains("all have TEXCOORD_0"), "{said}");
 }
 
 #[test]
