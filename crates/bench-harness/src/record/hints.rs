@@ -143,6 +143,10 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::LscmLayout(_) => {
             (FailureKind::Setting, "take --layout least-squares, or --layout least-squares-weighted")
         }
+        // These are no UVs of a file.
+        FlattenError::Certificate(MetricsError::UvNotFinite { .. }) => {
+            (FailureKind::LayoutOverflow, "scale the mesh down: its lengths are near the end of the range of numbers")
+        }
         FlattenError::Certificate(error) => metrics(error),
         FlattenError::Memory { leaner: Some(_), .. } => {
             (FailureKind::Memory, "try that solver, or a larger --max-memory")
