@@ -1,6 +1,6 @@
 //! Positions and indices in, UVs and a remap out: what engines keep meshes in.
 
-use crate::atlas::{Atlas, AtlasError, AtlasPages, Packed, Stored};
+use crate::atlas::{Atlas, AtlasError, AtlasPages, Packed, Parted, Parting, Stored};
 use crate::unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped};
 use crate::{Pipeline, Solver};
 use abf_control::{Observer, Silent};
@@ -31,12 +31,14 @@ pub struct ArrayUnwrapper {
     pub unwrap: Unwrap,
     /// The layout of the charts.
     pub atlas: Atlas,
+    /// Why charts are parted when they are packed; `None`: they are not.
+    pub parting: Option<Parting>,
 }
 
 impl Default for ArrayUnwrapper {
     /// The defaults of its parts, but that a disk is cut like everything else when it misses the aim: a texture wants that.
     fn default() -> Self {
-        Self { unwrap: Unwrap { cut_disks: true, ..Unwrap::default() }, atlas: Atlas::default() }
+        Self { unwrap: Unwrap { cut_disks: true, ..Unwrap::default() }, atlas: Atlas::default(), parting: None }
     }
 }
 
@@ -92,6 +94,22 @@ pub struct UnwrappedArrays {
     /// The charts and what was repaired. Vertices in it are those of the mesh with vertices of one position made one, in the
     /// order of their first appearance; faces are triangles of the input.
     pub unwrapped: Unwrapped,
+    /// How many cuts were made for coverage ([`Parting::coverage`]).
+    pub parted_for_coverage: usize,
+    /// How many were made for the margin inside of charts ([`Parting::keeps_inner_margin`]).
+    pub parted_for_margin: usize,
+}
+
+impl UnwrappedArrays {
+    /// Whether this is what was asked for: every chart is finished and valid, of a solver that ended as asked, and nothing lies
+    /// over anything else, unless `may_overlap`.
+    #[must_use]
+    pub fn is_certified(&self, may_overlap: bool) -> bool {
+        let metrics = &self.packed.metrics;
+        let mut charts = self.unwrapped.charts.iter();
+        (metrics.injective() || may_overlap && metrics.valid())
+            && charts.all(|chart| chart.is_certified() && !chart.unfinished)
+    }
 }
 
 impl ArrayUnwrapper {
@@ -186,6 +204,13 @@ impl ArrayUnwrapper {
         self
     }
 
+    /// Why charts are parted when they are packed.
+    #[must_use]
+    pub fn parting(mut self, parting: Parting) -> Self {
+        self.parting = Some(parting);
+        self
+    }
+
     /// Unwraps a mesh.
     ///
     /// # Errors
@@ -234,14 +259,32 @@ impl ArrayUnwrapper {
         if let Some(vertex) = positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
             return Err(ArrayError::NotFinite { vertex });
         }
+        if let Some(parting) = &self.parting {
+            parting.check()?;
+        }
         let mesh = match self.unwrap.weld {
             Weld::Off => separate(positions, triangles)?,
             _ => welded(positions, triangles, hints.objects)?,
         };
         let unwrapped = self.unwrap.run(&mesh, hints, observer)?;
-        let packed = self.atlas.pack(&mesh, &unwrapped, hints.face_labels, Stored::in_precision(Precision::Single))?;
+        let Parted { unwrapped, packed, for_coverage, for_margin } = self.pack(&mesh, unwrapped, hints)?;
         let (indices, remap, uvs) = split(positions.len(), indices, &packed);
-        Ok(UnwrappedArrays { uvs, indices, remap, packed, unwrapped })
+        let (parted_for_coverage, parted_for_margin) = (for_coverage, for_margin);
+        Ok(UnwrappedArrays { uvs, indices, remap, packed, unwrapped, parted_for_coverage, parted_for_margin })
+    }
+
+    fn pack(&self, mesh: &TriMesh, unwrapped: Unwrapped, hints: &SurfaceHints<'_>) -> Result<Parted, AtlasError> {
+        let stored = Stored::in_precision(Precision::Single);
+        match &self.parting {
+            Some(parting) => {
+                let known = (hints.face_labels, hints.forbidden);
+                self.atlas.pack_parting(mesh, unwrapped, known, stored, parting)
+            }
+            None => {
+                let packed = self.atlas.pack(mesh, &unwrapped, hints.face_labels, stored)?;
+                Ok(Parted { unwrapped, packed, for_coverage: 0, for_margin: 0 })
+            }
+        }
     }
 }
 
@@ -384,6 +427,29 @@ mod tests {
         assert_eq!(charts(&marked, SeamRule::Keep), 1);
         marked[0] = true;
         assert_eq!((charts(&marked, SeamRule::Keep), charts(&marked, SeamRule::Auto)), (2, 1));
+    }
+
+    #[test]
+    fn charts_are_parted_where_that_is_asked_for() {
+        // A flat strip along a half circle covers little of a page.
+        let ring = |i: u32| {
+            let angle = std::f32::consts::PI * i as f32 / 48.0;
+            [4.0, 4.5, 5.0].map(|r: f32| [r * angle.cos(), r * angle.sin(), 0.0])
+        };
+        let positions: Vec<[f32; 3]> = (0..=48).flat_map(ring).collect();
+        let quads = (0..48).flat_map(|i| [3 * i, 3 * i + 1]);
+        let indices: Vec<u32> = quads.flat_map(|a| [a, a + 1, a + 4, a, a + 4, a + 3]).collect();
+        let whole = ArrayUnwrapper::new().run(&positions, &indices).expect("a chart");
+        assert_eq!((whole.unwrapped.charts.len(), whole.parted_for_coverage), (1, 0));
+        assert!(whole.is_certified(false));
+        let parting = Parting { coverage: Some(0.6), seam_budget: 0.5, ..Parting::default() };
+        let parted = ArrayUnwrapper::new().parting(parting).run(&positions, &indices).expect("charts");
+        assert_eq!(parted.unwrapped.charts.len(), 1 + parted.parted_for_coverage);
+        assert!(parted.parted_for_coverage > 0 && parted.packed.coverage > 1.2 * whole.packed.coverage);
+        assert!(parted.is_certified(false));
+        let wrong = Parting { coverage: Some(2.0), ..Parting::default() };
+        let error = ArrayUnwrapper::new().parting(wrong).run(&positions, &indices).unwrap_err().to_string();
+        assert_eq!(error, "coverage must be in (0, 1], got 2");
     }
 
     #[test]

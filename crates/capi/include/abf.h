@@ -143,7 +143,7 @@ typedef int32_t (*AbfProgress)(void *user, const struct AbfEvent *event);
 // Settings. Fill it with zeros, set `size`, then what differs: 0 and null mean the default. Names are those of the
 // program's options.
 typedef struct AbfOptions {
-  // `sizeof(AbfOptions)`. Later versions append fields.
+  // `sizeof(AbfOptions)`. Later versions append fields, and take what was compiled with less of them.
   size_t size;
   // "auto", "linabf", "abf", "abf++", "abf-newton", "abf-fixed-target", "uzawa", "minres", "barrier", "descent",
   // "habf++", "hlinabf", "lscm".
@@ -199,11 +199,81 @@ typedef struct AbfOptions {
   AbfProgress progress;
   // Handed to it.
   void *user;
+  // What becomes of faces without area: "carry", "refuse".
+  const char *zero_area;
+  // `abf_flatten`: what the boundary is to be: "free", "convex", "below-2pi[=EPS]", "rectangle[=v0,v1,v2,v3]", "circle".
+  const char *boundary;
+  // `abf_flatten`: or the angles of these vertices of the boundary, `boundary_count` of them; null: none.
+  const uint32_t *boundary_vertices;
+  // As many angles, rad.
+  const double *boundary_angles;
+  // How many there are.
+  size_t boundary_count;
+  // "linabf": no angle moves in a pass by more than this part of its way to 0 or π; 0: no bound.
+  double error_bound;
+  // "auto", "barrier", "descent": the last weight of the barrier, in units of energy per corner; 0: 0.001.
+  double barrier_floor;
+  // Rings whose angle deficit is above this start from their target angles, rad; 0: 1; infinite: none does.
+  double ring_switch;
+  // Angles start from at least this and at most π less this, rad; 0: 0.001.
+  double angle_bound;
+  // "uzawa", "minres": inner iterations go to this relative residual; 0: it follows the constraint residual.
+  double inner_tolerance;
+  // "uzawa", "minres": inner iterations in an outer one, at most; 0: 20000.
+  uint32_t max_inner_iterations;
+  // "auto", "linabf": passes to make; 0: until the constraints are met.
+  uint32_t passes;
+  // Solvers with a fixed target: the wheel condition, "product" or "log".
+  const char *wheel;
+  // Those: second derivatives, "exact" or "gauss-newton".
+  const char *hessian;
+  // Those: "merit" shortens steps until a merit function falls, "full" does not.
+  const char *line_search;
+  // "uzawa", "minres": which unknowns are eliminated first, "none" or "triangles".
+  const char *reduction;
+  // "uzawa", "minres": "none", "jacobi", "block".
+  const char *preconditioner;
+  // `abf_unwrap`: part the largest chart where that lets charts cover more, until they cover this part of the pages; 0: no.
+  double coverage;
+  // `abf_unwrap`: by which part of their length seams may grow for that; 0: 0.25.
+  double seam_budget;
+  // `abf_unwrap`: charts that come nearer to themselves than the margin: "count" leaves them, "keep" parts them there.
+  const char *inner_margin;
+  // `abf_unwrap`: seams grow until they are so long at most, as a multiple of the diagonal of their component; 0: no limit.
+  double max_seam;
+  // `abf_unwrap`: which charts share a page: "one", "per-component", "per-material".
+  const char *atlas;
+  // `abf_unwrap`: sets the margin to what mip levels up to this one need, 2 · 2^level texels; 0: `margin` counts.
+  uint32_t mip_levels;
+  // 0. It keeps the next field where it is.
+  uint32_t reserved2;
+  // `abf_unwrap`: whether a map that lies over itself is `certified`: "refuse", "allow".
+  const char *overlap;
+  // `abf_unwrap`: where charts end: "auto": where the map stretches; "keep": at `seam_vertices`, at the seams of `uv` and where
+  // `materials` change, and what they leave is cut only as far as is needed. Null: "keep" where `seam_vertices` are given,
+  // or pages are per material; else "auto".
+  const char *seams;
+  // `abf_unwrap`: edges that are seams, each by its two vertices; null: none.
+  const uint32_t *seam_vertices;
+  // How many edges.
+  size_t seam_count;
+  // `abf_unwrap`: UVs that the mesh has, two numbers each; null: none.
+  const float *uv;
+  // How many: as many as there are vertices, unless there are `uv_indices`.
+  size_t uv_count;
+  // `abf_unwrap`: for every index of the mesh that of its UV; null: that of its vertex.
+  const uint32_t *uv_indices;
+  // `abf_unwrap`: a number for every triangle; null: none.
+  const uint32_t *materials;
+  // `abf_unwrap`: a number for every triangle; vertices in one place are joined within one object only; null: one object.
+  const uint32_t *objects;
+  // `abf_unwrap`: a number for every triangle; no seam runs between two of one polygon; null: no polygons.
+  const uint32_t *polygons;
 } AbfOptions;
 
 // What a result holds. Pointers are valid as long as the result.
 typedef struct AbfView {
-  // `sizeof(AbfView)`, set by the caller. Later versions append fields.
+  // `sizeof(AbfView)`, set by the caller. Later versions append fields, and fill as much as the caller has.
   size_t size;
   // Vertices of the result. `abf_flatten`: those of the input.
   size_t vertex_count;
@@ -233,7 +303,8 @@ typedef struct AbfView {
   double texels_per_unit;
   // `abf_unwrap`: the part of the pages that charts cover; else 0.
   double coverage;
-  // Valid, and every solver ended as asked.
+  // Valid, and every solver ended as asked. Of an atlas: every chart is finished, and nothing lies over anything else, unless
+  // `overlap` allows that.
   bool certified;
   // No triangle is flipped or collapsed, no interior vertex wound around twice. Proved with exact signs.
   bool valid;
@@ -271,6 +342,10 @@ typedef struct AbfView {
   const char *solver;
   // `abf_unwrap`: what was repaired, sentences separated by ", "; empty where nothing was.
   const char *repairs;
+  // `abf_unwrap`: how many cuts were made for `coverage`.
+  size_t parted_for_coverage;
+  // `abf_unwrap`: how many cuts were made for `inner_margin`.
+  size_t parted_for_margin;
 } AbfView;
 
 #ifdef __cplusplus

@@ -1,12 +1,13 @@
 //! The calls, without pointers.
 
 use crate::event::{AbfEvent, Relay};
+use crate::known::Known;
 use crate::options::Settings;
 use crate::status::{AbfStatus, Failure};
 use crate::view::AbfResult;
 use abf::mesh::{Point3, TriMesh};
 use abf::parallel::with_threads;
-use abf::{FlattenError, Solver, SurfaceHints, predict_memory};
+use abf::{FlattenError, Solver, predict_memory};
 
 /// Who is told what happens.
 pub(crate) type Callback<'a> = &'a mut (dyn FnMut(&AbfEvent) -> i32 + Send);
@@ -25,6 +26,7 @@ pub(crate) fn flatten(
         return Err(Failure::new(AbfStatus::IndexCount, text));
     }
     let pipeline = &settings.unwrapper.unwrap.pipeline;
+    pipeline.check().map_err(|error| Failure::setting(&error))?;
     let mut work = || {
         let triangles: Vec<[usize; 3]> = triangles.iter().map(|t| t.map(|i| i as usize)).collect();
         let mesh = TriMesh::new(positions.iter().copied().map(Point3::from).collect(), &triangles);
@@ -40,14 +42,18 @@ pub(crate) fn flatten(
 pub(crate) fn unwrap(
     positions: &[[f32; 3]],
     indices: &[u32],
+    known: &Known<'_>,
     settings: &Settings,
     callback: Callback<'_>,
 ) -> Result<AbfResult, Failure> {
     let unwrapper = &settings.unwrapper;
+    unwrapper.unwrap.check().map_err(|error| Failure::setting(&error))?;
+    known.check(settings)?;
     let mut work = || {
         let mut relay = Relay::new(callback);
-        let arrays = unwrapper.run_with(positions, indices, &SurfaceHints::default(), &mut relay)?;
-        Ok(AbfResult::of_atlas(arrays, unwrapper.atlas.page))
+        let read = known.read(positions.len(), indices)?;
+        let arrays = unwrapper.run_with(positions, indices, &read.hints(known), &mut relay)?;
+        Ok(AbfResult::of_atlas(arrays, unwrapper.atlas.page, settings.may_overlap))
     };
     on_threads(settings.threads, &mut work)
 }

@@ -2,6 +2,7 @@
 
 use abf::{Flattening, Metrics, Termination, UnwrappedArrays};
 use std::ffi::{CString, c_char};
+use std::mem::offset_of;
 use std::ptr;
 
 /// How the solver ended. Of an atlas: the first end that was not as asked, if there is one.
@@ -26,7 +27,7 @@ pub enum AbfTermination {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct AbfView {
-    /// `sizeof(AbfView)`, set by the caller. Later versions append fields.
+    /// `sizeof(AbfView)`, set by the caller. Later versions append fields, and fill as much as the caller has.
     pub size: usize,
     /// Vertices of the result. `abf_flatten`: those of the input.
     pub vertex_count: usize,
@@ -56,7 +57,8 @@ pub struct AbfView {
     pub texels_per_unit: f64,
     /// `abf_unwrap`: the part of the pages that charts cover; else 0.
     pub coverage: f64,
-    /// Valid, and every solver ended as asked.
+    /// Valid, and every solver ended as asked. Of an atlas: every chart is finished, and nothing lies over anything else, unless
+    /// `overlap` allows that.
     pub certified: bool,
     /// No triangle is flipped or collapsed, no interior vertex wound around twice. Proved with exact signs.
     pub valid: bool,
@@ -94,6 +96,15 @@ pub struct AbfView {
     pub solver: *const c_char,
     /// `abf_unwrap`: what was repaired, sentences separated by ", "; empty where nothing was.
     pub repairs: *const c_char,
+    /// `abf_unwrap`: how many cuts were made for `coverage`.
+    pub parted_for_coverage: usize,
+    /// `abf_unwrap`: how many cuts were made for `inner_margin`.
+    pub parted_for_margin: usize,
+}
+
+impl AbfView {
+    /// The sizes of the struct in all versions of the header. What is appended begins where the one before ended.
+    pub(crate) const SIZES: [usize; 2] = [offset_of!(Self, parted_for_coverage), size_of::<Self>()];
 }
 
 /// A result.
@@ -116,6 +127,7 @@ pub struct AbfResult {
     metrics: Metrics,
     solver: CString,
     repairs: CString,
+    parted: [usize; 2],
 }
 
 impl AbfResult {
@@ -138,10 +150,13 @@ impl AbfResult {
             metrics,
             solver: text(flat.solver.name()),
             repairs: CString::default(),
+            parted: [0; 2],
         }
     }
 
-    pub(crate) fn of_atlas(arrays: UnwrappedArrays, page: [u32; 2]) -> Self {
+    pub(crate) fn of_atlas(arrays: UnwrappedArrays, page: [u32; 2], may_overlap: bool) -> Self {
+        let certified = arrays.is_certified(may_overlap);
+        let parted = [arrays.parted_for_coverage, arrays.parted_for_margin];
         let UnwrappedArrays { uvs, indices, remap, packed, unwrapped, .. } = arrays;
         let charts = &unwrapped.charts;
         let mut triangle_charts = vec![u32::MAX; indices.len() / 3];
@@ -165,11 +180,12 @@ impl AbfResult {
             pages: packed.pages,
             texels_per_unit: packed.texels_per_unit,
             coverage: packed.coverage,
-            certified: packed.metrics.valid() && charts.iter().all(|chart| chart.is_certified() && !chart.unfinished),
+            certified,
             termination: termination.map_or(AbfTermination::Converged, of_termination),
             metrics: packed.metrics,
             solver: text(if is_one { solver } else { "several" }),
             repairs: text(&unwrapped.repairs.sentences().join(", ")),
+            parted,
         }
     }
 
@@ -210,6 +226,8 @@ impl AbfResult {
             uv_area: metrics.uv_area,
             solver: self.solver.as_ptr(),
             repairs: self.repairs.as_ptr(),
+            parted_for_coverage: self.parted[0],
+            parted_for_margin: self.parted[1],
         }
     }
 }

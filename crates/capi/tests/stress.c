@@ -81,6 +81,23 @@ static void wrong(void) {
     o = options();
     o.time_limit = NAN;
     EXPECT(unwrap(&o, &r) == ABF_STATUS_SETTING);
+    o = options();
+    o.coverage = 2;
+    EXPECT(unwrap(&o, &r) == ABF_STATUS_SETTING && strstr(abf_last_error(), "coverage must be in (0, 1]"));
+    o = options();
+    o.boundary = "oval";
+    EXPECT(abf_flatten(doubles, VERTICES, indices, INDICES, &o, &r) == ABF_STATUS_SETTING &&
+           strstr(abf_last_error(), "boundary must be free"));
+    const uint32_t outside[2] = {0, VERTICES};
+    o = options();
+    o.seam_vertices = outside;
+    o.seam_count = 1;
+    EXPECT(unwrap(&o, &r) == ABF_STATUS_INDEX_RANGE && strstr(abf_last_error(), "seam_vertices 1"));
+    o.seam_count = SIZE_MAX / 4;
+    EXPECT(unwrap(&o, &r) == ABF_STATUS_TOO_LARGE && strstr(abf_last_error(), "seam_count"));
+    o = options();
+    o.materials = (const uint32_t *)((const char *)indices + 1);
+    EXPECT(unwrap(&o, &r) == ABF_STATUS_POINTER && strstr(abf_last_error(), "materials is not aligned"));
     EXPECT(r == NULL);
     AbfView view;
     memset(&view, 0, sizeof view);
@@ -88,6 +105,44 @@ static void wrong(void) {
     EXPECT(unwrap(NULL, &r) == ABF_STATUS_OK && abf_result_view(r, &view) == ABF_STATUS_STRUCT_SIZE);
     abf_result_free(r);
     abf_result_free(NULL);
+}
+
+/* What is known of a mesh reaches the library: arrays that are exactly as long as they have to be. */
+static void known(void) {
+    uint32_t materials[INDICES / 3], seams[2 * (SIDE - 1)];
+    for (uint32_t t = 0; t < INDICES / 3; ++t) materials[t] = t < INDICES / 6;
+    for (uint32_t j = 0; j + 1 < SIDE; ++j) {
+        seams[2 * j] = 4 * SIDE + j;
+        seams[2 * j + 1] = 4 * SIDE + j + 1;
+    }
+    for (int by_material = 0; by_material < 2; ++by_material) {
+        AbfResult *r = NULL;
+        AbfView view;
+        view.size = sizeof view;
+        AbfOptions o = options();
+        o.seams = "keep";
+        o.coverage = 0.5;
+        o.inner_margin = "keep";
+        if (by_material) {
+            o.materials = materials;
+            o.polygons = materials;
+        } else {
+            o.seam_vertices = seams;
+            o.seam_count = SIDE - 1;
+        }
+        EXPECT(unwrap(&o, &r) == ABF_STATUS_OK && abf_result_view(r, &view) == ABF_STATUS_OK);
+        EXPECT(view.certified && view.chart_count == 2 + view.parted_for_coverage + view.parted_for_margin);
+        abf_result_free(r);
+    }
+    const uint32_t corners[4] = {0, SIDE - 1, VERTICES - 1, VERTICES - SIDE};
+    const double right[4] = {1.5707963267948966, 1.5707963267948966, 1.5707963267948966, 1.5707963267948966};
+    AbfResult *r = NULL;
+    AbfOptions o = options();
+    o.boundary_vertices = corners;
+    o.boundary_angles = right;
+    o.boundary_count = 4;
+    EXPECT(abf_flatten(doubles, VERTICES, indices, INDICES, &o, &r) == ABF_STATUS_OK);
+    abf_result_free(r);
 }
 
 struct job {
@@ -135,6 +190,7 @@ int main(int argc, char **argv) {
     int calls = argc > 1 ? atoi(argv[1]) : 1000, threads = argc > 2 ? atoi(argv[2]) : 8;
     build();
     wrong();
+    known();
     AbfResult *first = NULL;
     AbfView view;
     view.size = sizeof view;

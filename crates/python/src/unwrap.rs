@@ -40,7 +40,7 @@ pub(crate) fn unwrap<'py>(
     let keywords = Keywords(settings);
     let Hints { uv, uv_faces, edges, materials, objects, polygons } = hints;
     let keeps = keywords.value::<bool>("keeps")?.unwrap_or(false);
-    let unwrapper = ArrayUnwrapper { unwrap: keywords.unwrap(keeps)?, atlas: keywords.atlas()? };
+    let unwrapper = ArrayUnwrapper { unwrap: keywords.unwrap(keeps)?, atlas: keywords.atlas()?, parting: None };
     unwrapper.unwrap.check().map_err(|e| abf::ArrayError::from(e).raised())?;
     let threads = keywords.threads()?;
     let given = Given::new(vertices, faces);

@@ -9,6 +9,7 @@
 pub mod web;
 
 use crate::event::{ABF_CONTINUE, AbfEvent};
+use crate::known::Known;
 use crate::options::{AbfOptions, Names, Settings};
 use crate::run;
 use crate::status::{AbfStatus, Failure};
@@ -16,6 +17,7 @@ use crate::view::{AbfResult, AbfView, text};
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_void};
+use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::{ptr, slice};
 
@@ -37,11 +39,13 @@ pub unsafe extern "C" fn abf_flatten(
     // SAFETY: the caller's arrays are as long as said, and `result` may be written to.
     unsafe {
         give(result, || {
-            let (settings, mut host) = read_options(options)?;
-            check_count(vertex_count, size_of::<[f64; 3]>(), "vertex_count")?;
-            check_count(index_count, size_of::<u32>(), "index_count")?;
-            let positions = array(positions, 3 * vertex_count, "positions")?;
-            let indices = array(indices, index_count, "indices")?;
+            let Call { mut settings, mut host, options } = read_options(options)?;
+            let (positions, indices) = mesh((positions, vertex_count, size_of::<[f64; 3]>()), (indices, index_count))?;
+            let count = options.boundary_count;
+            check_count(count, size_of::<f64>(), "boundary_count")?;
+            let vertices = array_if(options.boundary_vertices, count, "boundary_vertices")?.unwrap_or_default();
+            let angles = array(options.boundary_angles, vertices.len(), "boundary_angles")?;
+            settings.ask_of_boundary(vertices, angles)?;
             run::flatten(positions.as_chunks().0, indices, &settings, &mut |event| host.tell(event))
         })
     }
@@ -65,21 +69,17 @@ pub unsafe extern "C" fn abf_unwrap(
     // SAFETY: the caller's arrays are as long as said, and `result` may be written to.
     unsafe {
         give(result, || {
-            let (settings, mut host) = read_options(options)?;
+            let Call { settings, mut host, options } = read_options(options)?;
             let stride = if stride == 0 { size_of::<[f32; 3]>() } else { stride };
             if stride < size_of::<[f32; 3]>() || !stride.is_multiple_of(size_of::<f32>()) {
                 let text = format!("stride must be a multiple of 4 and at least 12 bytes, got {stride}");
                 return Err(Failure::new(AbfStatus::Stride, text));
             }
-            check_count(vertex_count, stride, "vertex_count")?;
-            check_count(index_count, size_of::<u32>(), "index_count")?;
-            let per_vertex = stride / size_of::<f32>();
-            // The last vertex need not be followed by what lies between two.
-            let count = vertex_count.saturating_sub(1) * per_vertex + if vertex_count == 0 { 0 } else { 3 };
-            let numbers = array(positions, count, "positions")?;
-            let positions: Vec<[f32; 3]> = numbers.chunks(per_vertex).map(|v| [v[0], v[1], v[2]]).collect();
-            let indices = array(indices, index_count, "indices")?;
-            run::unwrap(&positions, indices, &settings, &mut |event| host.tell(event))
+            let (numbers, indices) = mesh((positions, vertex_count, stride), (indices, index_count))?;
+            let vertices = numbers.chunks(stride / size_of::<f32>());
+            let positions: Vec<[f32; 3]> = vertices.map(|v| [v[0], v[1], v[2]]).collect();
+            let known = known(&options, index_count)?;
+            run::unwrap(&positions, indices, &known, &settings, &mut |event| host.tell(event))
         })
     }
 }
@@ -90,11 +90,13 @@ pub unsafe extern "C" fn abf_result_view(result: *const AbfResult, view: *mut Ab
     guarded(|| {
         check_pointer(result, "result")?;
         check_pointer(view, "view")?;
-        // SAFETY: both are what the caller says. Of the view only the size is read: the rest may be uninitialised.
+        // SAFETY: both are what the caller says. Of the view only the size is read: the rest may be uninitialised. No more is
+        // written than the caller has.
         unsafe {
             let size = ptr::addr_of!((*view).size).read();
-            check_size(size, size_of::<AbfView>(), "AbfView")?;
-            view.write((*result).view());
+            check_size(size, AbfView::SIZES, "AbfView")?;
+            let shown = AbfView { size, ..(*result).view() };
+            ptr::copy_nonoverlapping((&raw const shown).cast::<u8>(), view.cast::<u8>(), size);
         }
         Ok(())
     })
@@ -171,17 +173,27 @@ impl Host {
     }
 }
 
-/// Reads options, and keeps nothing of them that is the caller's but the callback.
-unsafe fn read_options(options: *const AbfOptions) -> Result<(Settings, Host), Failure> {
-    if options.is_null() {
-        return Ok((Settings::default(), Host { call: None, user: ptr::null_mut() }));
-    }
-    check_pointer(options, "options")?;
-    // SAFETY: it points to options of the size that it says, and names end with a zero. Nothing but the size is read before it
-    // is known to be right.
+/// What a call was told.
+struct Call {
+    settings: Settings,
+    host: Host,
+    /// As the caller gave them; zero where the caller's header has less of them.
+    options: AbfOptions,
+}
+
+/// Reads options; of the caller's they keep the callback and arrays, which are not looked at here.
+unsafe fn read_options(options: *const AbfOptions) -> Result<Call, Failure> {
+    // SAFETY: every field may be zero. If there are options, they are of the size that they say, and names end with a zero.
+    // Nothing but the size is read before it is known to be right.
     unsafe {
-        check_size(ptr::addr_of!((*options).size).read(), size_of::<AbfOptions>(), "AbfOptions")?;
-        let options = *options;
+        let mut read = MaybeUninit::<AbfOptions>::zeroed();
+        if !options.is_null() {
+            check_pointer(options, "options")?;
+            let size = ptr::addr_of!((*options).size).read();
+            check_size(size, AbfOptions::SIZES, "AbfOptions")?;
+            ptr::copy_nonoverlapping(options.cast::<u8>(), read.as_mut_ptr().cast::<u8>(), size);
+        }
+        let options = read.assume_init();
         let names = Names {
             solver: name(options.solver),
             layout: name(options.layout),
@@ -189,14 +201,64 @@ unsafe fn read_options(options: *const AbfOptions) -> Result<(Settings, Host), F
             holes: name(options.holes),
             double_sided: name(options.double_sided),
             pack: name(options.pack),
+            zero_area: name(options.zero_area),
+            boundary: name(options.boundary),
+            wheel: name(options.wheel),
+            hessian: name(options.hessian),
+            line_search: name(options.line_search),
+            reduction: name(options.reduction),
+            preconditioner: name(options.preconditioner),
+            inner_margin: name(options.inner_margin),
+            atlas: name(options.atlas),
+            overlap: name(options.overlap),
+            seams: name(options.seams),
         };
-        Ok((Settings::read(&options, &names)?, Host { call: options.progress, user: options.user }))
+        let host = Host { call: options.progress, user: options.user };
+        Ok(Call { settings: Settings::read(&options, &names)?, host, options })
+    }
+}
+
+/// The arrays of a mesh: three numbers per vertex, `stride` bytes from one to the next, and indices.
+unsafe fn mesh<'a, T>(
+    (positions, vertex_count, stride): (*const T, usize, usize),
+    (indices, index_count): (*const u32, usize),
+) -> Result<(&'a [T], &'a [u32]), Failure> {
+    check_count(vertex_count, stride, "vertex_count")?;
+    check_count(index_count, size_of::<u32>(), "index_count")?;
+    // The last vertex need not be followed by what lies between two.
+    let count = vertex_count.checked_sub(1).map_or(0, |between| between * (stride / size_of::<T>()) + 3);
+    // SAFETY: they are as long as the caller says, and their sizes were checked.
+    unsafe { Ok((array(positions, count, "positions")?, array(indices, index_count, "indices")?)) }
+}
+
+/// What the caller knows of a mesh with so many indices.
+unsafe fn known<'a>(options: &AbfOptions, index_count: usize) -> Result<Known<'a>, Failure> {
+    check_count(options.seam_count, size_of::<[u32; 2]>(), "seam_count")?;
+    check_count(options.uv_count, size_of::<[f32; 2]>(), "uv_count")?;
+    let triangles = index_count / 3;
+    // SAFETY: they are as long as the caller says, and their sizes were checked.
+    unsafe {
+        Ok(Known {
+            seams: array_if(options.seam_vertices, 2 * options.seam_count, "seam_vertices")?
+                .map(|all| all.as_chunks().0),
+            uv: array_if(options.uv, 2 * options.uv_count, "uv")?.map(|all| all.as_chunks().0),
+            uv_indices: array_if(options.uv_indices, index_count, "uv_indices")?,
+            materials: array_if(options.materials, triangles, "materials")?,
+            objects: array_if(options.objects, triangles, "objects")?,
+            polygons: array_if(options.polygons, triangles, "polygons")?,
+        })
     }
 }
 
 unsafe fn name(text: *const c_char) -> Option<String> {
     // SAFETY: it ends with a zero.
     (!text.is_null()).then(|| unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned())
+}
+
+/// An array that need not be there.
+unsafe fn array_if<'a, T>(start: *const T, count: usize, what: &str) -> Result<Option<&'a [T]>, Failure> {
+    // SAFETY: as for `array`.
+    if start.is_null() { Ok(None) } else { unsafe { array(start, count, what) }.map(Some) }
 }
 
 unsafe fn array<'a, T>(start: *const T, count: usize, what: &str) -> Result<&'a [T], Failure> {
@@ -228,10 +290,11 @@ fn check_count(count: usize, bytes: usize, what: &str) -> Result<(), Failure> {
     Err(Failure::new(AbfStatus::TooLarge, format!("{what} is {count}: no array has so many elements of {bytes} bytes")))
 }
 
-fn check_size(given: usize, known: usize, what: &str) -> Result<(), Failure> {
-    if given == known {
+fn check_size(given: usize, known: [usize; 2], what: &str) -> Result<(), Failure> {
+    if known.contains(&given) {
         return Ok(());
     }
+    let [.., known] = known;
     let text =
         format!("size is {given}, and sizeof({what}) is {known}: was it set, and is the header that of this library?");
     Err(Failure::new(AbfStatus::StructSize, text))

@@ -126,6 +126,23 @@ fn every_wrong_argument_has_a_status_and_a_sentence() {
         (wrong(AbfOptions { time_limit: -1.0, ..options() }), AbfStatus::Setting, "time_limit must be"),
         (wrong(AbfOptions { max_memory: 1000, ..options() }), AbfStatus::Memory, "the limit is 1.0 kB"),
         (wrong(AbfOptions { texels_per_unit: 1e5, ..options() }), AbfStatus::Packing, "page"),
+        (wrong(AbfOptions { coverage: 2.0, ..options() }), AbfStatus::Setting, "coverage must be in (0, 1], got 2"),
+        (wrong(AbfOptions { seam_budget: 0.5, ..options() }), AbfStatus::Setting, "set coverage, too"),
+        (
+            wrong(AbfOptions { coverage: 0.5, seam_budget: -1.0, ..options() }),
+            AbfStatus::Setting,
+            "seam budget must be",
+        ),
+        (wrong(AbfOptions { inner_margin: c"part".as_ptr(), ..options() }), AbfStatus::Setting, "'keep' or 'count'"),
+        (wrong(AbfOptions { overlap: c"yes".as_ptr(), ..options() }), AbfStatus::Setting, "'allow' or 'refuse'"),
+        (wrong(AbfOptions { atlas: c"two".as_ptr(), ..options() }), AbfStatus::Setting, "'two'"),
+        (wrong(AbfOptions { atlas: c"per-material".as_ptr(), ..options() }), AbfStatus::Setting, "material"),
+        (wrong(AbfOptions { seams: c"keep".as_ptr(), ..options() }), AbfStatus::Setting, "none of them is given"),
+        (wrong(AbfOptions { mip_levels: 2, margin: 3, ..options() }), AbfStatus::Setting, "mip_levels sets the margin"),
+        (wrong(AbfOptions { max_seam: -1.0, ..options() }), AbfStatus::Setting, "max_seam"),
+        (wrong(AbfOptions { wheel: c"log".as_ptr(), ..options() }), AbfStatus::Setting, "means nothing to the solver"),
+        (wrong(AbfOptions { boundary: c"convex".as_ptr(), ..options() }), AbfStatus::Setting, "for one disk"),
+        (wrong(AbfOptions { uv_indices: FACES.as_ptr(), ..options() }), AbfStatus::Setting, "uv, which is not given"),
         (unwrap_of(&CUBE, &FACES[..35], &options()).unwrap_err(), AbfStatus::IndexCount, "35 indices"),
         (unwrap_of(&CUBE, &[0, 1, 8], &options()).unwrap_err(), AbfStatus::IndexRange, "has the index 8"),
         (unwrap_of(&[[f32::NAN; 3]; 3], &[0, 1, 2], &options()).unwrap_err(), AbfStatus::NotFinite, "vertex 0"),
@@ -140,6 +157,123 @@ fn every_wrong_argument_has_a_status_and_a_sentence() {
         assert_eq!(status, expected, "{sentence}");
         assert!(sentence.contains(part), "{sentence}");
     }
+}
+
+#[test]
+fn a_boundary_that_no_map_has_is_a_wrong_setting() {
+    let (positions, indices) = sheet();
+    let refused = |options: AbfOptions| {
+        let (status, sentence) = flatten_of(&positions, &indices, &options).expect_err("refused");
+        assert_eq!(status, AbfStatus::Setting, "{sentence}");
+        sentence
+    };
+    assert!(
+        refused(AbfOptions { boundary: c"oval".as_ptr(), ..options() }).starts_with("boundary must be free, convex")
+    );
+    let twice = AbfOptions { boundary: c"rectangle=0,0,1,2".as_ptr(), ..options() };
+    assert!(refused(twice).contains("the corner 0 of the rectangle is named twice"));
+    let alone = AbfOptions { boundary: c"convex".as_ptr(), solver: c"lscm".as_ptr(), ..options() };
+    assert!(refused(alone).contains("does not keep a boundary rule"));
+    let (vertices, angles) = ([0_u32, 100_000], [1.0, 1.0]);
+    let angles = AbfOptions {
+        boundary_vertices: vertices.as_ptr(),
+        boundary_angles: angles.as_ptr(),
+        boundary_count: 2,
+        ..options()
+    };
+    assert!(refused(angles).contains("100000"));
+    assert!(refused(AbfOptions { boundary: c"circle".as_ptr(), ..angles }).contains("leave one out"));
+    let bound = AbfOptions { solver: c"linabf".as_ptr(), error_bound: 1.5, ..options() };
+    assert!(refused(bound).contains("error_bound must be in (0, 1), got 1.5"));
+}
+
+#[test]
+fn a_boundary_is_what_was_asked_for() {
+    let (positions, indices) = sheet();
+    let mesh = Shape::BumpySheet.mesh(800);
+    let flat = |options: AbfOptions| {
+        let result = flatten_of(&positions, &indices, &options).expect("a disk");
+        let view = result.view();
+        // SAFETY: that is how long it is said to be.
+        unsafe { slice::from_raw_parts(view.uv64, 2 * view.vertex_count) }.to_vec()
+    };
+    let expected = |boundary: abf::Boundary| {
+        let flat = abf::Pipeline { boundary, ..abf::Pipeline::default() }.run(&mesh, &mut abf::Silent).expect("a disk");
+        flat.uv.points().iter().flat_map(|p| [p.x, p.y]).collect::<Vec<f64>>()
+    };
+    assert_eq!(flat(AbfOptions { boundary: c"circle".as_ptr(), ..options() }), expected(abf::Boundary::Circle));
+    let (vertices, angles) = ([0_u32], [1.0]);
+    let given = AbfOptions {
+        boundary_vertices: vertices.as_ptr(),
+        boundary_angles: angles.as_ptr(),
+        boundary_count: 1,
+        ..options()
+    };
+    let angle = abf::BoundaryAngle { vertex: 0, angle: 1.0, line: None };
+    assert_eq!(flat(given), expected(abf::Boundary::Angles(vec![angle])));
+}
+
+#[test]
+fn what_is_known_of_a_mesh_decides_where_its_charts_end() {
+    let charts = |options: AbfOptions| unwrap(&options).map(|result| result.view().chart_count);
+    assert_eq!(charts(options()), Ok(1));
+    // The four edges around the bottom of the cube.
+    let around = [0_u32, 1, 1, 3, 3, 2, 2, 0];
+    let marked = AbfOptions { seam_vertices: around.as_ptr(), seam_count: 4, ..options() };
+    assert_eq!(charts(marked), Ok(2));
+    assert_eq!(charts(AbfOptions { seams: c"auto".as_ptr(), ..marked }), Ok(1));
+    let materials: Vec<u32> = (0..12).map(|triangle| triangle / 2).collect();
+    let painted = AbfOptions { materials: materials.as_ptr(), ..options() };
+    assert_eq!(charts(painted), Ok(1));
+    assert_eq!(charts(AbfOptions { seams: c"keep".as_ptr(), ..painted }), Ok(6));
+    let by_material = AbfOptions { atlas: c"per-material".as_ptr(), ..painted };
+    assert_eq!(unwrap(&by_material).map(|result| result.view().page_count), Ok(6));
+    // UVs of its own for every corner: each triangle is an island.
+    let uv: Vec<[f32; 2]> = (0..36).map(|corner| [(corner % 3 / 2) as f32, (corner % 3 % 2) as f32]).collect();
+    let corners: Vec<u32> = (0..36).collect();
+    let islands = AbfOptions {
+        uv: uv.as_ptr().cast(),
+        uv_count: 36,
+        uv_indices: corners.as_ptr(),
+        seams: c"keep".as_ptr(),
+        ..options()
+    };
+    assert!(charts(islands).expect("islands") >= 6);
+    let too_few = AbfOptions { uv_indices: ptr::null(), uv_count: 7, ..islands };
+    let (status, sentence) = charts(too_few).unwrap_err();
+    assert_eq!((status, sentence.contains("uv_count must be the number of vertices, 8")), (AbfStatus::Setting, true));
+    let nowhere = AbfOptions { uv_count: 35, ..islands };
+    assert_eq!(charts(nowhere).unwrap_err().0, AbfStatus::IndexRange);
+    let outside = [0_u32, 8];
+    let (status, sentence) =
+        charts(AbfOptions { seam_vertices: outside.as_ptr(), seam_count: 1, ..options() }).unwrap_err();
+    assert_eq!((status, sentence.contains("has the index 8, and there are 8 vertices")), (AbfStatus::IndexRange, true));
+}
+
+#[test]
+fn what_was_compiled_with_the_first_header_works() {
+    let (positions, indices) = sheet();
+    let [first, now] = AbfOptions::SIZES;
+    assert!(first < now && now == size_of::<AbfOptions>());
+    // What lies behind such options belongs to somebody else: it is not read.
+    let (one, angle) = (0_u32, f64::NAN);
+    let behind = AbfOptions { boundary_vertices: &one, boundary_angles: &angle, boundary_count: 1, ..options() };
+    let plain = flatten_of(&positions, &indices, &options()).expect("a disk").view().angle_error;
+    let old = flatten_of(&positions, &indices, &AbfOptions { size: first, ..behind }).expect("a disk");
+    assert_eq!(old.view().angle_error, plain);
+    assert!(flatten_of(&positions, &indices, &behind).is_err());
+    let mut view = MaybeUninit::<[AbfView; 2]>::zeroed();
+    // SAFETY: zeros are what the header asks for, and every field may be zero.
+    let view = unsafe {
+        let size = AbfView::SIZES[0];
+        view.as_mut_ptr().cast::<usize>().write(size);
+        let shown = view.as_mut_ptr().cast::<u8>();
+        *shown.add(size) = 7;
+        assert_eq!(abf_result_view(old.0, shown.cast()), AbfStatus::Ok);
+        assert_eq!(*shown.add(size), 7, "nothing is written behind it");
+        shown.cast::<AbfView>().read()
+    };
+    assert_eq!((view.size, view.angle_error), (AbfView::SIZES[0], plain));
 }
 
 #[test]
@@ -199,7 +333,7 @@ fn a_stride_skips_what_lies_between_vertices() {
 fn settings_reach_the_library() {
     let settings = |options: AbfOptions| {
         // SAFETY: it is a live struct with texts that end.
-        unsafe { read_options(&options) }.map(|(settings, _)| settings.unwrapper).expect("settings")
+        unsafe { read_options(&options) }.map(|call| call.settings.unwrapper).expect("settings")
     };
     let default = settings(options());
     assert_eq!(default, abf::ArrayUnwrapper::new());
@@ -226,6 +360,17 @@ fn settings_reach_the_library() {
         crease_angle: 1.0,
         max_chart_length: f64::INFINITY,
         texels_per_unit: 12.0,
+        zero_area: c"refuse".as_ptr(),
+        ring_switch: f64::INFINITY,
+        angle_bound: 0.25,
+        wheel: c"log".as_ptr(),
+        hessian: c"exact".as_ptr(),
+        line_search: c"full".as_ptr(),
+        coverage: 0.75,
+        seam_budget: 0.5,
+        inner_margin: c"keep".as_ptr(),
+        max_seam: 3.0,
+        atlas: c"per-component".as_ptr(),
         ..options()
     });
     let (unwrap, pipeline, atlas) = (&given.unwrap, &given.unwrap.pipeline, &given.atlas);
@@ -238,6 +383,30 @@ fn settings_reach_the_library() {
     assert_eq!((unwrap.strict, unwrap.cut_disks, unwrap.max_stretch, unwrap.crease_angle), (true, false, 1.5, 1.0));
     assert_eq!((unwrap.max_chart_length, atlas.texels_per_unit), (None, Some(12.0)));
     assert_eq!((atlas.page, atlas.margin, atlas.max_pages), ([512, 256], 0, 3));
+    assert_eq!((pipeline.initial_guess.ring_switch, pipeline.initial_guess.angle_bound), (None, 0.25));
+    assert_eq!((pipeline.zero_area, unwrap.max_seam), (abf::ZeroArea::Refuse, Some(3.0)));
+    let newton = pipeline.solver.newton_settings().expect("a point of the grid");
+    let expected = (abf::WheelForm::Log, abf::Hessian::Exact, abf::LineSearch::Full);
+    assert_eq!((newton.wheel, newton.hessian, newton.line_search), expected);
+    let parting = abf::Parting { coverage: Some(0.75), seam_budget: 0.5, keeps_inner_margin: true, max_stretch: 1.5 };
+    assert_eq!((given.parting, atlas.pages), (Some(parting), abf::AtlasPages::PerComponent));
+    let uzawa = settings(AbfOptions {
+        solver: c"uzawa".as_ptr(),
+        reduction: c"none".as_ptr(),
+        preconditioner: c"jacobi".as_ptr(),
+        max_inner_iterations: 9,
+        inner_tolerance: 0.125,
+        mip_levels: 3,
+        ..options()
+    });
+    let iterative = uzawa.unwrap.pipeline.solver.iterative_settings().expect("it iterates");
+    assert_eq!((iterative.reduction, iterative.max_inner_iterations), (abf::Reduction::None, 9));
+    assert_eq!((iterative.preconditioner, uzawa.atlas.margin), (abf::PreconditionerKind::Jacobi, 16));
+    let linabf = settings(AbfOptions { solver: c"linabf".as_ptr(), passes: 2, error_bound: 0.5, ..options() });
+    let abf::Solver::LinAbf(linabf) = linabf.unwrap.pipeline.solver else { panic!("it is another solver") };
+    assert_eq!((linabf.passes.to_string().as_str(), linabf.error_bound), ("2", Some(0.5)));
+    let barrier = settings(AbfOptions { solver: c"barrier".as_ptr(), barrier_floor: 1e-7, ..options() });
+    assert_eq!(barrier.unwrap.pipeline.solver.barrier_floor(), Some(1e-7));
 }
 
 /// Counts events, and answers with the second number from the first iteration on.
