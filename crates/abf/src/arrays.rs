@@ -3,7 +3,7 @@
 use crate::atlas::{Atlas, AtlasError, AtlasPages, Packed, Parted, Parting, Stored};
 use crate::unwrap::{HoleRule, SeamRule, SurfaceHints, Unwrap, UnwrapError, Unwrapped};
 use crate::{Pipeline, Solver};
-use abf_control::{Observer, Silent};
+use abf_control::{Cancelled, Event, Observer, Silent, Verdict};
 use abf_cut::{DoubleSided, Weld};
 use abf_mesh::{GeometryError, Point3, TriMesh};
 use abf_metrics::Precision;
@@ -98,16 +98,19 @@ pub struct UnwrappedArrays {
     pub parted_for_coverage: usize,
     /// How many were made for the margin inside of charts ([`Parting::keeps_inner_margin`]).
     pub parted_for_margin: usize,
+    /// Whether the observer ended these cuts before there was nothing more to cut.
+    pub is_parting_unfinished: bool,
 }
 
 impl UnwrappedArrays {
-    /// Whether this is what was asked for: every chart is finished and valid, of a solver that ended as asked, and nothing lies
-    /// over anything else, unless `may_overlap`.
+    /// Whether this is what was asked for: every chart is finished and valid, of a solver that ended as asked, no cut is missing
+    /// that the observer did not allow, and nothing lies over anything else, unless `may_overlap`.
     #[must_use]
     pub fn is_certified(&self, may_overlap: bool) -> bool {
         let metrics = &self.packed.metrics;
         let mut charts = self.unwrapped.charts.iter();
         (metrics.injective() || may_overlap && metrics.valid())
+            && !self.is_parting_unfinished
             && charts.all(|chart| chart.is_certified() && !chart.unfinished)
     }
 }
@@ -267,22 +270,48 @@ impl ArrayUnwrapper {
             _ => welded(positions, triangles, hints.objects)?,
         };
         let unwrapped = self.unwrap.run(&mesh, hints, observer)?;
-        let Parted { unwrapped, packed, for_coverage, for_margin } = self.pack(&mesh, unwrapped, hints)?;
+        let Parted { unwrapped, packed, for_coverage: parted_for_coverage, for_margin: parted_for_margin, is_unfinished } =
+            self.pack(&mesh, unwrapped, hints, observer)?;
+        let is_parting_unfinished = is_unfinished;
         let (indices, remap, uvs) = split(positions.len(), indices, &packed);
-        let (parted_for_coverage, parted_for_margin) = (for_coverage, for_margin);
-        Ok(UnwrappedArrays { uvs, indices, remap, packed, unwrapped, parted_for_coverage, parted_for_margin })
+        Ok(UnwrappedArrays {
+            uvs,
+            indices,
+            remap,
+            packed,
+            unwrapped,
+            parted_for_coverage,
+            parted_for_margin,
+            is_parting_unfinished,
+        })
     }
 
-    fn pack(&self, mesh: &TriMesh, unwrapped: Unwrapped, hints: &SurfaceHints<'_>) -> Result<Parted, AtlasError> {
+    fn pack(
+        &self,
+        mesh: &TriMesh,
+        unwrapped: Unwrapped,
+        hints: &SurfaceHints<'_>,
+        observer: &mut (dyn Observer + Send),
+    ) -> Result<Parted, ArrayError> {
         let stored = Stored::in_precision(Precision::Single);
         match &self.parting {
             Some(parting) => {
                 let known = (hints.face_labels, hints.forbidden);
-                self.atlas.pack_parting(mesh, unwrapped, known, stored, parting)
+                let mut verdict = Verdict::Continue;
+                let mut may_go_on = || {
+                    verdict = observer.observe(Event::Working);
+                    matches!(verdict, Verdict::Continue)
+                };
+                let how: (_, &mut dyn FnMut() -> bool) = (parting, &mut may_go_on);
+                let parted = self.atlas.pack_parting_while(mesh, unwrapped, known, stored, how)?;
+                match verdict {
+                    Verdict::Abort => Err(UnwrapError::from(Cancelled).into()),
+                    Verdict::Continue | Verdict::Stop => Ok(parted),
+                }
             }
             None => {
                 let packed = self.atlas.pack(mesh, &unwrapped, hints.face_labels, stored)?;
-                Ok(Parted { unwrapped, packed, for_coverage: 0, for_margin: 0 })
+                Ok(Parted { unwrapped, packed, for_coverage: 0, for_margin: 0, is_unfinished: false })
             }
         }
     }

@@ -1,5 +1,7 @@
 //! Hierarchical solvers beside those of the fine mesh.
 
+#![allow(clippy::print_stdout, reason = "the distances are the point")]
+
 use abf::mesh::TriMesh;
 use abf::{
     AbfNewton, Cancelled, Event, FlattenError, Flattening, Hierarchical, LinAbf, Observer, Pipeline, Silent, Solver,

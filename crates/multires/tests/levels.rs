@@ -2,7 +2,7 @@
 
 use abf_control::Cancelled;
 use abf_mesh::predicates::orient2d;
-use abf_mesh::{Point2, Topology, TriMesh};
+use abf_mesh::{Point2, Topology, TriMesh, VertexId};
 use abf_multires::{Hierarchy, LevelReport, RefineError};
 use abf_parallel::with_threads;
 use abf_shapes::Shape;
@@ -85,7 +85,7 @@ fn a_drawing_comes_back_without_flips_and_close_to_its_angles() {
         assert_eq!(levels.last().map(|level| level.triangles), Some(mesh.face_count()));
         assert_eq!(levels.iter().map(|level| level.inserted).sum::<usize>(), hierarchy.removed());
         let positions = uv.iter().map(|p| [p.x, p.y, 0.0].into()).collect();
-        let faces: Vec<[usize; 3]> = mesh.faces().iter().map(|face| face.map(|v| v.index())).collect();
+        let faces: Vec<[usize; 3]> = mesh.faces().iter().map(|face| face.map(VertexId::index)).collect();
         let drawn = TriMesh::new(positions, &faces).expect("a mesh").corner_angles();
         let off = drawn.iter().zip(mesh.corner_angles()).map(|(x, a)| (x - a).powi(2)).sum::<f64>();
         (off / drawn.len() as f64).sqrt()
