@@ -270,8 +270,13 @@ impl ArrayUnwrapper {
             _ => welded(positions, triangles, hints.objects)?,
         };
         let unwrapped = self.unwrap.run(&mesh, hints, observer)?;
-        let Parted { unwrapped, packed, for_coverage: parted_for_coverage, for_margin: parted_for_margin, is_unfinished } =
-            self.pack(&mesh, unwrapped, hints, observer)?;
+        let Parted {
+            unwrapped,
+            packed,
+            for_coverage: parted_for_coverage,
+            for_margin: parted_for_margin,
+            is_unfinished,
+        } = self.pack(&mesh, unwrapped, hints, observer)?;
         let is_parting_unfinished = is_unfinished;
         let (indices, remap, uvs) = split(positions.len(), indices, &packed);
         Ok(UnwrappedArrays {
