@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ._types import Indices, Reals
+from ._types import Indices, Mapped, Reals
 
 _Settings: TypeAlias = dict[str, Any]
 _Progress: TypeAlias = Callable[[str, str | None, int, float, int, int], object]
@@ -56,20 +56,9 @@ def unwrap(
     settings: _Settings,
     progress: _Progress | None,
 ) -> dict[str, Any]: ...
-def metrics(
-    vertices: Reals, faces: Indices, uv: Reals, uv_faces: Indices | None, settings: _Settings
-) -> dict[str, Any]: ...
-def certify(
-    vertices: Reals, faces: Indices, uv: Reals, uv_faces: Indices | None, settings: _Settings
-) -> dict[str, Any]: ...
-def pack(
-    vertices: Reals,
-    faces: Indices,
-    uv: Reals,
-    uv_faces: Indices | None,
-    materials: NDArray[np.uint32] | None,
-    settings: _Settings,
-) -> dict[str, Any]: ...
+def metrics(mapped: Mapped, settings: _Settings) -> dict[str, Any]: ...
+def certify(mapped: Mapped, settings: _Settings) -> dict[str, Any]: ...
+def pack(mapped: Mapped, materials: NDArray[np.uint32] | None, settings: _Settings) -> dict[str, Any]: ...
 def read(path: str | os.PathLike[str]) -> dict[str, Any]: ...
 def parse(name: str | os.PathLike[str], data: bytes) -> dict[str, Any]: ...
 def write(

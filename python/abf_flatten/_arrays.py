@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._abf import GeometryError, ShapeError
 from ._results import Progress
-from ._types import OnProgress
+from ._types import Indices, Mapped, OnProgress, Reals
 
 
 def reals(given: ArrayLike, name: str, columns: int) -> NDArray[np.float64]:
@@ -32,6 +33,22 @@ def indices(given: ArrayLike, name: str, columns: int = 3) -> NDArray[np.int64]:
     if array.dtype == np.uint64 and array.size and array.max() > np.iinfo(np.int64).max:
         raise GeometryError(f"{name} has the index {array.max()}, which names nothing")
     return np.ascontiguousarray(array, dtype=np.int64)
+
+
+def mesh(vertices: ArrayLike, faces: ArrayLike) -> tuple[Reals, Indices]:
+    """The arrays of a mesh."""
+    return reals(vertices, "vertices", 3), indices(faces, "faces")
+
+
+def mapped(vertices: ArrayLike, faces: ArrayLike, uv: ArrayLike, uv_faces: ArrayLike | None) -> Mapped:
+    """The arrays of a mesh with UVs."""
+    rows = None if uv_faces is None else indices(uv_faces, "uv_faces")
+    return (*mesh(vertices, faces), reals(uv, "uv", 2), rows)
+
+
+def settings_of(arguments: Mapping[str, Any], *others: str) -> dict[str, Any]:
+    """Those arguments of a call that are settings: all but `others`."""
+    return {name: value for name, value in arguments.items() if name not in others}
 
 
 def labels(given: ArrayLike | None, name: str) -> NDArray[np.uint32] | None:

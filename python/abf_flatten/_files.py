@@ -7,7 +7,7 @@ import os
 from numpy.typing import ArrayLike
 
 from . import _abf
-from ._arrays import indices, reals
+from ._arrays import indices, mesh, reals
 from ._results import MeshFile
 
 
@@ -62,4 +62,4 @@ def write(
         raise _abf.SettingError("uv_faces are rows of uv, which is not given")
     map_rows = None if uv is None else reals(uv, "uv", 2)
     rows = None if uv_faces is None else indices(uv_faces, "uv_faces")
-    _abf.write(path, reals(vertices, "vertices", 3), indices(faces, "faces"), map_rows, rows)
+    _abf.write(path, *mesh(vertices, faces), map_rows, rows)

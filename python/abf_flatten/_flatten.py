@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Literal
 
 from numpy.typing import ArrayLike
 
 from . import _abf
-from ._arrays import indices, reals, teller
+from ._arrays import mesh, settings_of, teller
 from ._results import Flattening, with_metrics
 from ._types import (
     Hessian,
@@ -29,6 +30,7 @@ def flatten(
     solver: Solver = "auto",
     layout: Layout = "auto",
     normalize: bool = False,
+    boundary: str | Mapping[int, float] = "free",
     zero_area: ZeroArea = "carry",
     time_limit: float | None = None,
     max_memory: int | None = None,
@@ -39,6 +41,7 @@ def flatten(
     tolerance: float | None = None,
     max_iterations: int | None = None,
     passes: int | Literal["auto"] | None = None,
+    error_bound: float | None = None,
     barrier_floor: float | None = None,
     wheel: Wheel | None = None,
     hessian: Hessian | None = None,
@@ -56,6 +59,8 @@ def flatten(
         solver: The method; "auto" tries one after the other, up to the first whose result is proved valid.
         layout: How angles become coordinates.
         normalize: Whether UVs are scaled into the unit square. Otherwise they have the area of the surface.
+        boundary: What the boundary is to be: "free", "convex", "below-2pi[=EPS]", "rectangle[=v0,v1,v2,v3]" with vertices
+            as corners, "circle", or a dict with the angles of vertices, rad. "auto", "linabf" and "barrier" keep it.
         zero_area: What becomes of faces without area: a place like all others, or an error.
         time_limit: Seconds, for all solvers together; then the best there is comes back.
         max_memory: Bytes. A mesh for which more is predicted is refused, before any is taken.
@@ -85,27 +90,11 @@ def flatten(
     >>> flat.uv.round(9).tolist(), bool(flat.certificate)
     ([[0.0, 0.0], [0.707106781, -0.707106781], [1.414213562, 0.0], [0.707106781, 0.707106781]], True)
     """
-    settings = {
-        "solver": solver,
-        "layout": layout,
-        "normalize": normalize,
-        "zero_area": zero_area,
-        "time_limit": time_limit,
-        "max_memory": max_memory,
-        "threads": threads,
-        "ring_switch": ring_switch,
-        "angle_bound": angle_bound,
-        "tolerance": tolerance,
-        "max_iterations": max_iterations,
-        "passes": passes,
-        "barrier_floor": barrier_floor,
-        "wheel": wheel,
-        "hessian": hessian,
-        "line_search": line_search,
-        "reduction": reduction,
-        "preconditioner": preconditioner,
-        "max_inner_iterations": max_inner_iterations,
-        "inner_tolerance": inner_tolerance,
-    }
-    points, triangles = reals(vertices, "vertices", 3), indices(faces, "faces")
-    return Flattening(**with_metrics(_abf.flatten(points, triangles, settings, teller(progress))))
+    arguments = locals()
+    settings = settings_of(arguments, "vertices", "faces", "progress")
+    if boundary == "free":
+        # Every solver keeps that.
+        settings["boundary"] = None
+    elif isinstance(boundary, Mapping):
+        settings["boundary"] = dict(boundary)
+    return Flattening(**with_metrics(_abf.flatten(*mesh(vertices, faces), settings, teller(progress))))

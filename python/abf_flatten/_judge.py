@@ -5,9 +5,9 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from . import _abf
-from ._arrays import indices, reals
+from ._arrays import mapped
 from ._results import Certificate, Metrics, metrics_of
-from ._types import Indices, Precision, Reals, Weld
+from ._types import Precision, Weld
 
 
 def metrics(
@@ -44,7 +44,7 @@ def metrics(
     (2.0, True)
     """
     settings = {"as_stored": as_stored, "weld": weld, "threads": threads}
-    return metrics_of(_abf.metrics(*_mesh(vertices, faces), *_map(uv, uv_faces), settings))
+    return metrics_of(_abf.metrics(mapped(vertices, faces, uv, uv_faces), settings))
 
 
 def certify(
@@ -74,12 +74,4 @@ def certify(
     False
     """
     settings = {"precision": precision, "threads": threads}
-    return Certificate(**_abf.certify(*_mesh(vertices, faces), *_map(uv, uv_faces), settings))
-
-
-def _mesh(vertices: ArrayLike, faces: ArrayLike) -> tuple[Reals, Indices]:
-    return reals(vertices, "vertices", 3), indices(faces, "faces")
-
-
-def _map(uv: ArrayLike, uv_faces: ArrayLike | None) -> tuple[Reals, Indices | None]:
-    return reals(uv, "uv", 2), None if uv_faces is None else indices(uv_faces, "uv_faces")
+    return Certificate(**_abf.certify(mapped(vertices, faces, uv, uv_faces), settings))

@@ -7,7 +7,7 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from . import _abf
-from ._arrays import indices, labels, reals
+from ._arrays import labels, mapped, settings_of
 from ._results import Packed, with_metrics
 from ._types import Effort, Pages
 
@@ -53,19 +53,7 @@ def pack(
     >>> packed.islands, packed.coverage > 0.4, packed.uv.max().item() <= 1
     (2, True, True)
     """
-    settings = {
-        "stack": stack,
-        "atlas": atlas,
-        "resolution": resolution,
-        "page": page,
-        "margin": margin,
-        "mip_levels": mip_levels,
-        "pack": pack,
-        "max_pages": max_pages,
-        "texels_per_unit": texels_per_unit,
-        "threads": threads,
-    }
-    points, triangles = reals(vertices, "vertices", 3), indices(faces, "faces")
-    rows = None if uv_faces is None else indices(uv_faces, "uv_faces")
-    known = _abf.pack(points, triangles, reals(uv, "uv", 2), rows, labels(materials, "materials"), settings)
+    arguments = locals()
+    settings = settings_of(arguments, "vertices", "faces", "uv", "uv_faces", "materials")
+    known = _abf.pack(mapped(vertices, faces, uv, uv_faces), labels(materials, "materials"), settings)
     return Packed(**with_metrics(known))

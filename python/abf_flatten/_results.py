@@ -93,14 +93,25 @@ class Progress:
 
 
 @dataclass(frozen=True, eq=False)
-class Flattening:
+class Judged:
+    """A result with a map."""
+
+    #: How distorted the map is, and what is proved of it as it is stored.
+    metrics: Metrics
+
+    @property
+    def certificate(self) -> Certificate:
+        """What is proved of the map."""
+        return self.metrics.certificate
+
+
+@dataclass(frozen=True, eq=False)
+class Flattening(Judged):
     """A flat disk."""
 
     #: (n, 2) float64, one row per vertex. It has the area of the surface, unless it was normalized. A vertex of no
     #: face is at the origin.
     uv: NDArray[np.float64] = field(repr=False)
-    #: How distorted it is, and what is proved of it.
-    metrics: Metrics
     #: Whose result it is, and how that solver ended.
     solver: str
     termination: str
@@ -109,15 +120,13 @@ class Flattening:
     #: The solvers that `auto` tried, in order.
     tried: list[str] = field(repr=False)
 
-    @property
-    def certificate(self) -> Certificate:
-        """What is proved of it."""
-        return self.metrics.certificate
-
 
 @dataclass(frozen=True, eq=False)
-class Unwrapped:
-    """An atlas. It iterates as `vmapping, indices, uvs`, in the order and the types of xatlas."""
+class Unwrapped(Judged):
+    """An atlas. It iterates as `vmapping, indices, uvs`, in the order and the types of xatlas.
+
+    `metrics` and `certificate` are those of 32-bit numbers.
+    """
 
     #: (k,) uint32: for every new vertex the vertex it is a copy of. The first ones are those of the input, in order.
     vmapping: NDArray[np.uint32] = field(repr=False)
@@ -135,28 +144,25 @@ class Unwrapped:
     texels_per_unit: float
     #: The part of the pages that charts cover.
     coverage: float
-    #: How distorted it is, and what is proved of it, as 32-bit numbers.
-    metrics: Metrics
     #: The length of all seams, in units of the mesh.
     seam_length: float
     #: What had to be repaired, in sentences.
     repairs: list[str]
-    #: Every chart is valid, of a solver that ended as asked.
+    #: How many cuts were made for `coverage`, and for `inner_margin="keep"`.
+    parted_for_coverage: int
+    parted_for_margin: int
+    #: Every chart is finished and valid, of a solver that ended as asked; and nothing lies over anything else, unless
+    #: `overlap="allow"`.
     certified: bool
     #: How many charts there was no time to finish; they are valid, and may miss the aim.
     unfinished: int
-
-    @property
-    def certificate(self) -> Certificate:
-        """What is proved of it."""
-        return self.metrics.certificate
 
     def __iter__(self) -> Iterator[NDArray[Any]]:
         return iter((self.vmapping, self.indices, self.uvs))
 
 
 @dataclass(frozen=True, eq=False)
-class Packed:
+class Packed(Judged):
     """Islands laid out anew."""
 
     #: The rows of the UVs given, moved: (k, 2) float64 in the unit square. Rows of no corner are at the origin.
@@ -171,13 +177,6 @@ class Packed:
     texels_per_unit: float
     #: The part of the pages that islands cover.
     coverage: float
-    #: How distorted the map is, and what is proved of it.
-    metrics: Metrics
-
-    @property
-    def certificate(self) -> Certificate:
-        """What is proved of it."""
-        return self.metrics.certificate
 
 
 @dataclass(frozen=True, eq=False)

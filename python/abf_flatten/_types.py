@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal, Union
+from typing import TYPE_CHECKING, Literal, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 Reals = NDArray[np.float64]
 Indices = NDArray[np.int64]
+#: Vertices, faces, UVs, and the rows of every corner.
+Mapped = tuple[Reals, Indices, Reals, Optional[Indices]]
 Solver = Literal[
     "auto",
     "linabf",
@@ -41,4 +43,6 @@ DoubleSided = Literal["own", "shared"]
 Pages = Literal["one", "per-component", "per-material"]
 Effort = Literal["fast", "good", "best"]
 Precision = Literal["single", "double"]
+InnerMargin = Literal["count", "keep"]
+Overlap = Literal["refuse", "allow"]
 OnProgress = Callable[["Progress"], object]

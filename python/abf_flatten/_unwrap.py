@@ -7,9 +7,26 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from . import _abf
-from ._arrays import indices, labels, reals, teller
+from ._arrays import indices, labels, mesh, reals, settings_of, teller
 from ._results import Unwrapped, with_metrics
-from ._types import DoubleSided, Effort, Holes, Layout, OnProgress, Pages, Solver, Weld, ZeroArea
+from ._types import (
+    DoubleSided,
+    Effort,
+    Hessian,
+    Holes,
+    InnerMargin,
+    Layout,
+    LineSearch,
+    OnProgress,
+    Overlap,
+    Pages,
+    Preconditioner,
+    Reduction,
+    Solver,
+    Weld,
+    Wheel,
+    ZeroArea,
+)
 
 
 def unwrap(
@@ -30,8 +47,10 @@ def unwrap(
     max_seam: float | None = None,
     crease_angle: float = 30.0,
     max_chart_length: float = 4.0,
+    cut_disks: bool = True,
     weld: Weld = "auto",
     double_sided: DoubleSided = "own",
+    overlap: Overlap = "refuse",
     strict: bool = False,
     atlas: Pages = "one",
     resolution: int | None = None,
@@ -41,10 +60,27 @@ def unwrap(
     pack: Effort = "good",
     max_pages: int = 1,
     texels_per_unit: float | None = None,
+    coverage: float | None = None,
+    seam_budget: float | None = None,
+    inner_margin: InnerMargin = "count",
     time_limit: float | None = None,
     max_memory: int | None = None,
     threads: int | None = None,
     progress: OnProgress | None = None,
+    ring_switch: float | Literal["off"] | None = None,
+    angle_bound: float | None = None,
+    tolerance: float | None = None,
+    max_iterations: int | None = None,
+    passes: int | Literal["auto"] | None = None,
+    error_bound: float | None = None,
+    barrier_floor: float | None = None,
+    wheel: Wheel | None = None,
+    hessian: Hessian | None = None,
+    line_search: LineSearch | None = None,
+    reduction: Reduction | None = None,
+    preconditioner: Preconditioner | None = None,
+    max_inner_iterations: int | None = None,
+    inner_tolerance: float | Literal["auto"] | None = None,
 ) -> Unwrapped:
     """Unwrap any mesh into an atlas: repaired, cut, flattened chart by chart, and packed.
 
@@ -64,8 +100,10 @@ def unwrap(
         max_seam: Or until they are so long, as a multiple of the diagonal of the component.
         crease_angle: Edges that turn by no more than so many degrees are smooth.
         max_chart_length: Charts are parted that are longer than so many page widths; math.inf for no limit.
+        cut_disks: Whether a mesh that is one disk is cut, too, where it misses the aim.
         weld: Which vertices in one place are joined: those within rounding, "off" none, or those at most so far apart.
         double_sided: Whether faces with the same vertices have texels of their own, or share them.
+        overlap: Whether a map that lies over itself is `certified`: "allow", or not.
         strict: Whether a mesh that needs repair is refused.
         atlas: Which charts share a page.
         resolution: Texels along the sides of a page [1024].
@@ -75,9 +113,12 @@ def unwrap(
         pack: How hard to try to fill the atlas: milliseconds, about a second, or several.
         max_pages: How many pages the charts may take that share pages.
         texels_per_unit: Texels per unit of the mesh; as many as fit if None.
+        coverage: Part the largest chart where that lets charts cover more, until they cover so much of the atlas; in (0, 1].
+        seam_budget: By which part of their length seams may grow for `coverage` [0.25].
+        inner_margin: Whether charts that come nearer to themselves than the margin are parted there: "keep", or not.
         time_limit: Seconds; then charts come back that may miss the aim.
         max_memory: Bytes, for each chart.
-        threads, progress: As for `flatten`.
+        threads, progress, and every other setting: As for `flatten`.
 
     Returns:
         An `Unwrapped`. It iterates as `vmapping, indices, uvs`, in the order and the types of xatlas.
@@ -92,6 +133,7 @@ def unwrap(
     >>> indices.shape, (vmapping[indices] == [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).all().item()
     ((4, 3), True)
     """
+    arguments = locals()
     edges = None
     if seams is not None and not isinstance(seams, str):
         edges, seams = indices(seams, "seams", 2), "keep"
@@ -112,30 +154,6 @@ def unwrap(
         "objects": labels(objects, "objects"),
         "polygons": labels(polygons, "polygons"),
     }
-    settings = {
-        "keeps": seams != "auto",
-        "solver": solver,
-        "layout": layout,
-        "zero_area": zero_area,
-        "holes": holes,
-        "max_stretch": max_stretch,
-        "max_seam": max_seam,
-        "crease_angle": crease_angle,
-        "max_chart_length": max_chart_length,
-        "weld": weld,
-        "double_sided": double_sided,
-        "strict": strict,
-        "atlas": atlas,
-        "resolution": resolution,
-        "page": page,
-        "margin": margin,
-        "mip_levels": mip_levels,
-        "pack": pack,
-        "max_pages": max_pages,
-        "texels_per_unit": texels_per_unit,
-        "time_limit": time_limit,
-        "max_memory": max_memory,
-        "threads": threads,
-    }
-    points, triangles = reals(vertices, "vertices", 3), indices(faces, "faces")
-    return Unwrapped(**with_metrics(_abf.unwrap(points, triangles, hints, settings, teller(progress))))
+    settings = settings_of(arguments, "vertices", "faces", "progress", "seams", *hints)
+    settings["keeps"] = seams != "auto"
+    return Unwrapped(**with_metrics(_abf.unwrap(*mesh(vertices, faces), hints, settings, teller(progress))))

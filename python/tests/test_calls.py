@@ -11,7 +11,7 @@ from typing import Any
 import abf_flatten as abf
 import numpy as np
 import pytest
-from conftest import Mesh
+from conftest import Mesh, bumpy
 from numpy.typing import NDArray
 
 
@@ -61,6 +61,29 @@ def test_settings_reach_their_solver(disk: Mesh) -> None:
     assert loose.metrics.f != abf.flatten(*disk, solver="uzawa").metrics.f
     assert abf.flatten(*disk, layout="poisson").certificate
     assert abf.flatten(*disk, time_limit=0.0).termination == "time-limit"
+
+
+def test_the_boundary_is_what_is_asked_for(disk: Mesh) -> None:
+    corners = [0, 19, 399, 380]
+    flat = abf.flatten(*disk, boundary="rectangle=" + ",".join(map(str, corners)))
+    assert flat.certificate.injective
+    around = flat.uv[corners]
+    sides = np.roll(around, -1, 0) - around
+    across = np.roll(sides, -1, 0)
+    assert np.allclose((sides * across).sum(1), 0, atol=1e-4)
+    assert abf.flatten(*disk, boundary="rectangle").certificate.injective
+    given = abf.flatten(*disk, boundary={vertex: np.pi / 2 for vertex in corners})
+    for vertex, ends in ((0, (1, 20)), (399, (398, 379))):
+        one, other = (given.uv[end] - given.uv[vertex] for end in ends)
+        turn = np.arccos(one @ other / np.linalg.norm(one) / np.linalg.norm(other))
+        assert turn == pytest.approx(np.pi / 2, abs=1e-4)
+    assert np.array_equal(abf.flatten(*disk, solver="lscm", boundary="free").uv, abf.flatten(*disk, solver="lscm").uv)
+
+
+def test_an_error_bound_makes_passes_shorter(disk: Mesh) -> None:
+    plain = abf.flatten(*disk, solver="linabf", passes=1)
+    bounded = abf.flatten(*disk, solver="linabf", passes=1, error_bound=0.01)
+    assert bounded.certificate and bounded.metrics.f != plain.metrics.f
 
 
 def test_the_bits_are_the_same_for_any_number_of_threads(disk: Mesh, ring: Mesh) -> None:
@@ -133,6 +156,47 @@ def test_pages_margins_and_texels(ring: Mesh) -> None:
     assert given.texels_per_unit == 100
     assert abf.unwrap(*ring, page=(2048, 1024), mip_levels=3).certificate.injective
     assert abf.unwrap(*ring, margin=40).coverage < abf.unwrap(*ring, margin="auto").coverage
+
+
+def strip(turn: float) -> Mesh:
+    """A flat strip that goes around a circle so far: it covers little of a page."""
+    angle, radius = np.meshgrid(np.linspace(0, turn, 97), np.linspace(4, 5, 5), indexing="ij")
+    vertices = np.stack([radius * np.cos(angle), radius * np.sin(angle), 0 * radius], -1).reshape(-1, 3)
+    i = np.arange(97 * 5).reshape(97, 5)
+    a, b, c, d = (k.reshape(-1) for k in (i[:-1, :-1], i[:-1, 1:], i[1:, 1:], i[1:, :-1]))
+    return vertices, np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)])
+
+
+def test_charts_are_parted_to_cover_more() -> None:
+    half = strip(np.pi)
+    whole = abf.unwrap(*half, resolution=256)
+    parted = abf.unwrap(*half, resolution=256, coverage=0.6, seam_budget=0.5)
+    assert (whole.charts, whole.parted_for_coverage) == (1, 0)
+    assert parted.charts == 1 + parted.parted_for_coverage > 1
+    assert parted.coverage > 1.2 * whole.coverage and parted.certified
+    assert abf.unwrap(*half, resolution=256, coverage=0.6, seam_budget=0.0).charts == 1
+
+
+def test_charts_are_parted_where_they_come_too_near_to_themselves() -> None:
+    nearly_around = strip(2 * np.pi - 0.05)
+    near = abf.unwrap(*nearly_around, resolution=256, margin=8)
+    kept = abf.unwrap(*nearly_around, resolution=256, margin=8, inner_margin="keep")
+    assert near.charts == 1 and near.parted_for_margin == 0
+    assert kept.charts == 1 + kept.parted_for_margin > 1
+
+
+def test_a_disk_stays_whole_where_that_is_asked_for() -> None:
+    vertices, faces = bumpy(20)
+    steep = vertices * [1, 1, 8]
+    assert abf.unwrap(steep, faces).charts > 1
+    assert abf.unwrap(steep, faces, cut_disks=False).charts == 1
+
+
+def test_settings_of_a_solver_reach_the_charts(ring: Mesh) -> None:
+    plain = abf.unwrap(*ring, solver="linabf")
+    bounded = abf.unwrap(*ring, solver="linabf", error_bound=0.05, passes=1)
+    assert bounded.metrics.f != plain.metrics.f
+    assert plain.certified and abf.unwrap(*ring, overlap="allow").certified
 
 
 def test_islands_are_packed_anew(ring: Mesh) -> None:

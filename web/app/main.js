@@ -62,6 +62,10 @@ function settings() {
   if ($("mode").value === "unwrap") {
     Object.assign(options, { resolution: Number($("resolution").value), margin: Number($("margin").value) });
     options.maxStretch = Number($("stretch").value);
+    const coverage = Number($("coverage").value);
+    if (coverage > 0) options.coverage = coverage / 100;
+  } else if ($("boundary").value !== "free") {
+    options.boundary = $("boundary").value;
   }
   return options;
 }
@@ -249,6 +253,7 @@ $("settings").addEventListener("submit", (event) => {
 $("mode").addEventListener("change", () => {
   const isAtlas = $("mode").value === "unwrap";
   document.querySelectorAll(".of-unwrap").forEach((label) => (label.hidden = !isAtlas));
+  document.querySelectorAll(".of-flatten").forEach((label) => (label.hidden = isAtlas));
   $("run").textContent = isAtlas ? "Unwrap" : "Flatten";
 });
 $("cancel").addEventListener("click", () => worker.cancel());

@@ -10,16 +10,31 @@ const VERDICTS = { continue: 0, stop: 1, abort: 2 };
 /** 4 GB are all that 32 bits can name; some of it is the stack, the code's data and what allocation wastes. */
 const ADDRESS_SPACE = 2 ** 32 - 2 ** 28;
 
-/** Options by their names here, and the fields of AbfOptions. */
-const FIELDS = {
+/** Options of both calls by their names here, and the fields of AbfOptions. */
+const COMMON = {
   solver: "solver",
   layout: "layout",
+  zeroArea: "zero_area",
   tolerance: "tolerance",
   stepTolerance: "step_tolerance",
   timeLimit: "time_limit",
   maxMemory: "max_memory",
   maxIterations: "max_iterations",
-  normalize: "normalize",
+  ringSwitch: "ring_switch",
+  angleBound: "angle_bound",
+  passes: "passes",
+  errorBound: "error_bound",
+  barrierFloor: "barrier_floor",
+  wheel: "wheel",
+  hessian: "hessian",
+  lineSearch: "line_search",
+  reduction: "reduction",
+  preconditioner: "preconditioner",
+  maxInnerIterations: "max_inner_iterations",
+  innerTolerance: "inner_tolerance",
+};
+/** Those of `unwrap` alone. */
+const CHARTS = {
   strict: "strict",
   keepDisks: "keep_disks",
   margin: "margin",
@@ -34,11 +49,25 @@ const FIELDS = {
   holes: "holes",
   doubleSided: "double_sided",
   pack: "pack",
+  coverage: "coverage",
+  seamBudget: "seam_budget",
+  innerMargin: "inner_margin",
+  maxSeam: "max_seam",
+  atlas: "atlas",
+  mipLevels: "mip_levels",
+  overlap: "overlap",
 };
+const FIELDS = { ...COMMON, ...CHARTS, normalize: "normalize" };
+/** Arrays with a number for every triangle. */
+const LABELS = ["materials", "objects", "polygons"];
 
-const COMMON = ["solver", "layout", "tolerance", "stepTolerance", "timeLimit", "maxMemory", "maxIterations", "onProgress"];
-const OF_FLATTEN = [...COMMON, "normalize"];
-const OF_UNWRAP = [...new Set([...COMMON, ...Object.keys(FIELDS), "resolution", "stride"])].filter((name) => name !== "normalize");
+const OF_FLATTEN = [...Object.keys(COMMON), "onProgress", "normalize", "boundary"];
+const OF_UNWRAP = [...Object.keys(COMMON), "onProgress", ...Object.keys(CHARTS), "resolution", "stride", "seams", "uv", "uvIndices", ...LABELS];
+/** Where 0 would be taken for the default, and is none. */
+const NOT_ZERO = [
+  "timeLimit", "passes", "errorBound", "barrierFloor", "ringSwitch", "angleBound", "maxInnerIterations", "innerTolerance", "coverage",
+  "seamBudget", "maxSeam",
+];
 /** What margin is for none. */
 const NO_MARGIN = 0xffffffff;
 
@@ -70,7 +99,7 @@ export class Abf {
       const count = vertices(input.length, 3);
       this.#check(count, indices.length / 3, options.solver, 1);
       return this.#exports.abf_flatten(keep(input), count, keep(whole(indices)), indices.length, fields, result);
-    });
+    }, indices.length);
   }
 
   /** Unwraps any mesh into an atlas. */
@@ -84,7 +113,7 @@ export class Abf {
       // The flattening of the largest chart is the smaller part.
       this.#check(count, indices.length / 3, undefined, 2);
       return this.#exports.abf_unwrap(keep(input), count, stride, keep(whole(indices)), indices.length, fields, result);
-    });
+    }, indices.length);
   }
 
   /** About how many bytes it takes at most to flatten a disk. */
@@ -117,7 +146,7 @@ export class Abf {
     throw errorOf("memory", `${text}; use the program or the library outside of a browser`);
   }
 
-  #run(options, allowed, call) {
+  #run(options, allowed, call, corners) {
     const unknown = Object.keys(options).find((name) => !allowed.includes(name));
     if (unknown) throw errorOf("setting", `there is no option '${unknown}'; there are: ${allowed.join(", ")}`);
     const kept = [];
@@ -129,7 +158,7 @@ export class Abf {
     const state = { tell: options.onProgress, thrown: undefined };
     this.#calls.push(state);
     try {
-      const fields = this.#options(options, keep);
+      const fields = this.#options(options, keep, corners);
       const result = keep(new Uint8Array(4));
       const status = call(fields, result, keep);
       if (state.thrown) throw state.thrown.error;
@@ -161,7 +190,7 @@ export class Abf {
     return broken;
   }
 
-  #options(options, keep) {
+  #options(options, keep, corners) {
     const { size, fields } = this.#layout.AbfOptions;
     const view = new DataView(new ArrayBuffer(size));
     const set = (field, value) => {
@@ -175,11 +204,14 @@ export class Abf {
     for (const [name, field] of Object.entries(FIELDS)) {
       const value = options[name];
       if (value === undefined || value === null) continue;
+      if (value === 0 && NOT_ZERO.includes(name)) throw errorOf("setting", `${name} must not be 0: leave it out for the default`);
       set(field, value);
+    }
+    for (const [field, value] of arrays(options, corners)) {
+      set(field, ArrayBuffer.isView(value) ? keep(value) : value);
     }
     if (options.resolution !== undefined) set("width", options.resolution);
     if (options.margin === 0) set("margin", NO_MARGIN);
-    if (options.timeLimit === 0) throw errorOf("setting", "timeLimit must be a number of seconds above 0, got 0");
     if (options.onProgress) set("progress", this.#exports.abf_web_progress());
     return keep(new Uint8Array(view.buffer));
   }
@@ -290,6 +322,37 @@ function numbers(given, Type, name) {
 function vertices(length, per) {
   if (length % per !== 0) throw errorOf("input", `positions has ${length} numbers, which is not ${per} per vertex`);
   return length / per;
+}
+
+/** Options that are arrays, or names instead: the fields of AbfOptions with what goes there. */
+function arrays(options, corners) {
+  const { boundary, seams, uv, uvIndices } = options;
+  const fields = [];
+  const add = (field, array, count) => fields.push([field, array], ...(count ? [[count[0], array.length / count[1]]] : []));
+  if (typeof boundary === "string") fields.push(["boundary", boundary]);
+  else if (boundary != null) {
+    const given = boundary instanceof Map ? [...boundary] : Object.entries(boundary);
+    add("boundary_vertices", whole(given.map(([vertex]) => Number(vertex))), ["boundary_count", 1]);
+    add("boundary_angles", numbers(given.map(([, angle]) => angle), Float64Array, "boundary"));
+  }
+  if (typeof seams === "string") fields.push(["seams", seams]);
+  else if (seams != null) add("seam_vertices", times(whole(seams), 2, "seams", "edge"), ["seam_count", 2]);
+  if (uv != null) add("uv", times(numbers(uv, Float32Array, "uv"), 2, "uv", "row"), ["uv_count", 2]);
+  if (uvIndices != null) add("uv_indices", long(whole(uvIndices), corners, "uvIndices", "index"));
+  for (const name of LABELS) {
+    if (options[name] != null) add(name, long(whole(options[name]), Math.floor(corners / 3), name, "triangle"));
+  }
+  return fields;
+}
+
+function times(array, per, name, what) {
+  if (array.length % per === 0) return array;
+  throw errorOf("input", `${name} has ${array.length} numbers, which is not ${per} per ${what}`);
+}
+
+function long(array, length, name, what) {
+  if (array.length === length) return array;
+  throw errorOf("input", `${name} must have a number for each ${what}, ${length} in all, got ${array.length}`);
 }
 
 /** Indices in 32 bits; what is no index is refused rather than rounded. */

@@ -41,6 +41,32 @@ export interface CommonOptions {
   maxMemory?: number;
   /** Outer iterations or passes; default 50. */
   maxIterations?: number;
+  /** What becomes of faces without area; default "carry": they get a place like all others. */
+  zeroArea?: "carry" | "refuse";
+  /** Rings whose angle deficit is above this start from their target angles, rad; default 1; Infinity: none does. */
+  ringSwitch?: number;
+  /** Angles start from at least this and at most π less this, rad; default 0.001. */
+  angleBound?: number;
+  /** "auto" and "linabf": passes to make; default: until the constraints are met. */
+  passes?: number;
+  /** "linabf": no angle moves in a pass by more than this part of its way to 0 or π, in (0, 1); default: no bound. */
+  errorBound?: number;
+  /** "auto", "barrier" and "descent": the last weight of the barrier, in units of energy per corner; default 0.001. */
+  barrierFloor?: number;
+  /** Solvers with a fixed target: the wheel condition; default "product" for "abf" and "abf++", else "log". */
+  wheel?: "product" | "log";
+  /** Those: second derivatives; default "gauss-newton" for "abf++" and "abf-fixed-target", else "exact". */
+  hessian?: "exact" | "gauss-newton";
+  /** Those: whether steps are shortened until a merit function falls; default "merit". */
+  lineSearch?: "merit" | "full";
+  /** "uzawa" and "minres": which unknowns are eliminated first; default "triangles". */
+  reduction?: "none" | "triangles";
+  /** "uzawa" and "minres"; default "block". */
+  preconditioner?: "none" | "jacobi" | "block";
+  /** "uzawa" and "minres": inner iterations in an outer one; default 20000. */
+  maxInnerIterations?: number;
+  /** "uzawa" and "minres": the relative residual of inner iterations; default: it follows the constraint residual. */
+  innerTolerance?: number;
   /** Hears of progress on the thread that works. What it throws comes out of the call. */
   onProgress?: (event: Progress) => Verdict;
 }
@@ -48,6 +74,13 @@ export interface CommonOptions {
 export interface FlattenOptions extends CommonOptions {
   /** Scale into the unit square instead of keeping the area of the surface. */
   normalize?: boolean;
+  /**
+   * What the boundary is to be, with `EPS` in rad and the corners of a rectangle as vertices; or the angles of its vertices, rad.
+   * "auto", "linabf" and "barrier" keep it. Default "free".
+   */
+  boundary?:
+    | "free" | "convex" | "below-2pi" | `below-2pi=${number}` | "rectangle" | `rectangle=${string}` | "circle"
+    | ReadonlyMap<number, number> | Readonly<Record<number, number>>;
 }
 
 export interface UnwrapOptions extends CommonOptions {
@@ -82,6 +115,35 @@ export interface UnwrapOptions extends CommonOptions {
   pack?: "fast" | "good" | "best";
   /** Bytes from a vertex to the next in positions; default 12. */
   stride?: number;
+  /** Part the largest chart where that lets charts cover more, until they cover this part of the pages, in (0, 1]. */
+  coverage?: number;
+  /** By which part of their length seams may grow for that; default 0.25. */
+  seamBudget?: number;
+  /** Whether charts that come nearer to themselves than the margin are parted there; default "count": they are not. */
+  innerMargin?: "count" | "keep";
+  /** Seams grow until they are so long at most, as a multiple of the diagonal of their component. */
+  maxSeam?: number;
+  /** Which charts share a page; default "one". */
+  atlas?: "one" | "per-component" | "per-material";
+  /** Sets the margin to what mip levels up to this one need, 2 · 2^level texels. */
+  mipLevels?: number;
+  /** Whether a map that lies over itself is `certified`; default "refuse": it is not. */
+  overlap?: "refuse" | "allow";
+  /**
+   * Where charts end. "auto": where the map stretches. "keep": at the seams of `uv`, and where `materials` change. An array: there,
+   * and at these edges, two vertices each. Default "auto", and "keep" for pages per material.
+   */
+  seams?: "auto" | "keep" | Numbers;
+  /** UVs that the mesh has: u and v of vertex after vertex, or of row after row with `uvIndices`. */
+  uv?: Numbers;
+  /** For every index the row of its UV. */
+  uvIndices?: Numbers;
+  /** A number for every triangle. */
+  materials?: Numbers;
+  /** A number for every triangle: vertices in one place are joined within one object only. */
+  objects?: Numbers;
+  /** A number for every triangle: no seam runs between two of one polygon. */
+  polygons?: Numbers;
 }
 
 /** What is proved and measured of a map. */
@@ -89,7 +151,10 @@ export interface Quality {
   vertexCount: number;
   triangleCount: number;
   chartCount: number;
-  /** Valid, and every solver ended as asked. */
+  /**
+   * Valid, and every solver ended as asked. Of an atlas: every chart is finished, and nothing lies over anything else, unless
+   * `overlap` allows that.
+   */
   certified: boolean;
   /** No triangle is flipped or collapsed, no interior vertex wound around twice. Proved with exact signs. */
   valid: boolean;
@@ -143,6 +208,10 @@ export interface Unwrapped extends Quality {
   unfinished: number;
   /** What was repaired; empty where nothing was. */
   repairs: string;
+  /** Cuts that were made for `coverage`. */
+  partedForCoverage: number;
+  /** Cuts that were made for `innerMargin`. */
+  partedForMargin: number;
 }
 
 /** The library, loaded. Calls return when they are done: in a page, take `abf-flatten/worker`. */

@@ -45,6 +45,45 @@ test("a cube and a torus become atlases whose triangles keep their order", async
   }
 });
 
+test("seams, materials and UVs decide where charts end", () => {
+  const { positions, indices } = cube;
+  const charts = (options) => engine.unwrap(positions, indices, options).chartCount;
+  const around = [0, 1, 1, 3, 3, 2, 2, 0];
+  const materials = Uint8Array.from({ length: 12 }, (_, triangle) => Math.floor(triangle / 2));
+  assert.deepEqual([charts({}), charts({ seams: around }), charts({ materials }), charts({ materials, seams: "keep" })], [1, 2, 1, 6]);
+  assert.equal(engine.unwrap(positions, indices, { materials, atlas: "per-material" }).pageCount, 6);
+  const known = engine.unwrap(positions, indices, { materials, seams: "keep" });
+  const again = { uv: known.uvs, uvIndices: known.indices, seams: "keep" };
+  assert.equal(charts(again), 6);
+  // A flat strip along a half circle covers little of a page.
+  const strip = { positions: [], indices: [] };
+  for (let i = 0; i <= 48; ++i) {
+    const angle = (Math.PI * i) / 48;
+    for (const r of [4, 4.5, 5]) strip.positions.push(r * Math.cos(angle), r * Math.sin(angle), 0);
+    if (i < 48) for (const a of [3 * i, 3 * i + 1]) strip.indices.push(a, a + 1, a + 4, a, a + 4, a + 3);
+  }
+  const parted = engine.unwrap(strip.positions, strip.indices, { coverage: 0.6, seamBudget: 0.5 });
+  assert.equal(parted.chartCount, 1 + parted.partedForCoverage);
+  assert.ok(parted.partedForCoverage > 0 && parted.injective);
+});
+
+test("a boundary is what was asked for, by its name and by its angles", () => {
+  const [n, right] = [12, Math.PI / 2];
+  const { positions, indices } = sheet(n - 1);
+  const corners = [0, n - 1, n * n - 1, n * n - n];
+  const named = engine.flatten(positions, indices, { boundary: `rectangle=${corners}` });
+  assert.ok(named.injective);
+  const angle = (uv, at, a, b) => {
+    const [p, q] = [a, b].map((end) => [uv[2 * end] - uv[2 * at], uv[2 * end + 1] - uv[2 * at + 1]]);
+    return Math.acos((p[0] * q[0] + p[1] * q[1]) / Math.hypot(...p) / Math.hypot(...q));
+  };
+  assert.ok(Math.abs(angle(named.uv, 0, 1, n) - right) < 1e-4);
+  for (const boundary of [new Map([[0, right]]), { 0: right }]) {
+    const given = engine.flatten(positions, indices, { boundary });
+    assert.ok(Math.abs(angle(given.uv, 0, 1, n) - right) < 1e-4);
+  }
+});
+
 test("arrays of any kind are taken, and a stride skips what lies between", () => {
   const { positions, indices } = cube;
   const expected = engine.unwrap(positions, indices);
@@ -73,6 +112,22 @@ test("every wrong input has a class and a code", () => {
     [() => engine.unwrap(positions, indices, { resolution: -1 }), abf.AbfSettingError, "setting"],
     [() => engine.unwrap(positions, indices, { timeLimit: 0 }), abf.AbfSettingError, "setting"],
     [() => engine.unwrap(positions, indices, { normalize: true }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { boundary: "circle" }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(...triangle, { boundary: "oval" }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(...triangle, { boundary: { 7: 1 } }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(...triangle, { boundary: { x: 1 } }), abf.AbfInputError, "index-range"],
+    [() => engine.flatten(...triangle, { coverage: 0.5 }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(...triangle, { errorBound: 0 }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(...triangle, { errorBound: 0.5 }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { coverage: 2 }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { seamBudget: 1 }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { innerMargin: "part" }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { seams: "keep" }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { seams: [0, 1, 2] }), abf.AbfInputError, "input"],
+    [() => engine.unwrap(positions, indices, { seams: [0, 8] }), abf.AbfInputError, "index-range"],
+    [() => engine.unwrap(positions, indices, { materials: [1] }), abf.AbfInputError, "input"],
+    [() => engine.unwrap(positions, indices, { uv: [0, 1], seams: "keep" }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { uv: [0, 1], uvIndices: [0], seams: "keep" }), abf.AbfInputError, "input"],
     [() => engine.flatten(positions, indices), abf.AbfMeshError, "not-a-disk"],
     [() => engine.flatten(positions, []), abf.AbfMeshError, "topology"],
     [() => engine.unwrap([0, 0, 0, 1, 0, 0, 2, 0, 0], [0, 1, 2]), abf.AbfMeshError, "geometry"],

@@ -9,6 +9,13 @@ export async function everything(positions: Float32Array, indices: Uint16Array):
   const atlas = await unwrap(positions, indices, {
     resolution: 2048, margin: 0, weld: "0.01", holes: "fill-fan", onProgress: (event) => (event.round > 9 ? "stop" : "continue"),
   });
+  abf.flatten(positions, indices, { boundary: "rectangle=0,1,2,3", solver: "linabf" });
+  abf.flatten(positions, indices, { boundary: new Map([[0, Math.PI / 2]]) });
+  abf.unwrap(positions, indices, { seams: [0, 1], coverage: 0.8, innerMargin: "keep", materials: indices, overlap: "allow" });
+  // @ts-expect-error a boundary is one of a disk
+  abf.unwrap(positions, indices, { boundary: "circle" });
+  // @ts-expect-error there is no such rule
+  abf.flatten(positions, indices, { boundary: "oval" });
   // @ts-expect-error there is no such solver
   abf.flatten(positions, indices, { solver: "nothing" });
   // @ts-expect-error an atlas has a scale of its own

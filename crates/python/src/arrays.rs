@@ -7,13 +7,20 @@ use numpy::{
     Element, IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use std::collections::{HashMap, HashSet};
 
 /// An array with `N` columns, copied.
 pub(crate) struct Rows<T, const N: usize>(pub(crate) Vec<[T; N]>);
 
 /// A label for every face, copied.
 pub(crate) struct Labels(Vec<u32>);
+
+impl Rows<i64, 2> {
+    /// Edges by their two vertices, if there are such vertices.
+    pub(crate) fn edges(&self, vertices: usize) -> PyResult<Vec<[u32; 2]>> {
+        check(&self.0, vertices, "seam", "vertices")?;
+        Ok(self.0.iter().map(|edge| edge.map(|i| i as u32)).collect())
+    }
+}
 
 /// A mesh that nobody has looked at yet.
 pub(crate) struct Given {
@@ -39,26 +46,10 @@ impl Given {
         TriMesh::new(points, &triangles).map_err(|e| abf::FlattenError::from(e).raised())
     }
 
-    /// The mesh as the library takes arrays: positions, and three indices per face.
-    pub(crate) fn flat(self) -> PyResult<(Vec<[f64; 3]>, Vec<u32>)> {
-        let triangles = self.triangles()?;
-        let indices = triangles.as_flattened().iter().map(|&i| i as u32).collect();
-        Ok((self.positions, indices))
-    }
-
-    /// For every corner whether it faces one of these edges, given by their two vertices.
-    pub(crate) fn facing(&self, edges: &[[i64; 2]]) -> PyResult<Vec<bool>> {
-        check(edges, self.positions.len(), "seam", "vertices")?;
-        let marked: HashSet<[i64; 2]> = edges.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
-        Ok(self.faces.iter().flat_map(faced).map(|edge| marked.contains(&edge)).collect())
-    }
-
-    /// For every corner whether it faces an edge inside a polygon; `polygons` has that of every face.
-    pub(crate) fn inside(&self, polygons: &[u32]) -> Vec<bool> {
-        let edges = || self.faces.iter().zip(polygons).flat_map(|(f, &polygon)| faced(f).map(|edge| (polygon, edge)));
-        let mut sides: HashMap<(u32, [i64; 2]), usize> = HashMap::new();
-        edges().for_each(|edge| *sides.entry(edge).or_default() += 1);
-        edges().map(|edge| sides[&edge] > 1).collect()
+    /// The mesh as the library takes arrays: positions, and the indices of every face.
+    pub(crate) fn flat(self) -> PyResult<(Vec<[f64; 3]>, Vec<[u32; 3]>)> {
+        let triangles = self.triangles()?.into_iter().map(|face| face.map(|i| i as u32)).collect();
+        Ok((self.positions, triangles))
     }
 
     fn triangles(&self) -> PyResult<Vec<[usize; 3]>> {
@@ -109,6 +100,35 @@ impl Labels {
     }
 }
 
+/// A mesh with UVs that nobody has looked at yet: its vertices, its faces, its UVs, and the rows of every corner.
+pub(crate) struct Mapped {
+    given: Given,
+    uv: GivenUv,
+}
+
+impl<'py> FromPyObject<'_, 'py> for Mapped {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let (vertices, faces, uv, uv_faces) = given.extract()?;
+        Ok(Self { given: Given::new(vertices, faces), uv: GivenUv::new(uv, uv_faces) })
+    }
+}
+
+impl Mapped {
+    /// How many faces there are.
+    pub(crate) fn face_count(&self) -> usize {
+        self.given.face_count()
+    }
+
+    /// The mesh and its map.
+    pub(crate) fn read(self) -> PyResult<(TriMesh, UvMap)> {
+        let mesh = self.given.mesh()?;
+        let map = self.uv.map(&mesh)?;
+        Ok((mesh, map))
+    }
+}
+
 /// UVs that nobody has looked at yet.
 pub(crate) struct GivenUv {
     points: Vec<[f64; 2]>,
@@ -150,11 +170,6 @@ impl GivenUv {
         }
         Ok(UvMap::new(points, corners))
     }
-}
-
-/// The edges that the corners of a face are opposite to, the lower vertex first.
-fn faced(&[a, b, c]: &[i64; 3]) -> [[i64; 2]; 3] {
-    [[b, c], [c, a], [a, b]].map(|[from, to]| [from.min(to), from.max(to)])
 }
 
 /// Rows as an array: the memory goes to `NumPy` as it is.

@@ -134,6 +134,8 @@ fn of_flatten(error: &FlattenError) -> Kind {
         FlattenError::Problem(_)
         | FlattenError::DescentLayout(_)
         | FlattenError::LscmLayout(_)
+        | FlattenError::BoundarySolver(_)
+        | FlattenError::BoundaryCharts(_)
         | FlattenError::Descent(EmbedError::Setting(_))
         | FlattenError::Solve { source: SolveError::Setting(_) | SolveError::Unsupported(_), .. } => Kind::Setting,
         FlattenError::Memory { .. } => Kind::Memory,

@@ -1,6 +1,6 @@
 //! `pack`: islands of a map laid out anew.
 
-use crate::arrays::{Given, GivenUv, Labels, Rows, out1, out2, xy};
+use crate::arrays::{Labels, Mapped, out1, out2, xy};
 use crate::errors::Raised;
 use crate::results::metrics;
 use crate::settings::Keywords;
@@ -13,22 +13,16 @@ use pyo3::types::PyDict;
 #[pyfunction]
 pub(crate) fn pack<'py>(
     py: Python<'py>,
-    vertices: Rows<f64, 3>,
-    faces: Rows<i64, 3>,
-    uv: Rows<f64, 2>,
-    uv_faces: Option<Rows<i64, 3>>,
+    mapped: Mapped,
     materials: Option<Labels>,
     settings: Bound<'py, PyDict>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let keywords = Keywords(settings);
     let repack = Repack { atlas: keywords.atlas()?, stack: keywords.value("stack")?.unwrap_or(false) };
     let threads = keywords.threads()?;
-    let given = Given::new(vertices, faces);
-    let known = GivenUv::new(uv, uv_faces);
-    let materials = materials.map(|labels| labels.of(given.face_count(), "materials")).transpose()?;
-    let packed = Supervision::new(threads, None, given.face_count()).run(py, |_| {
-        let mesh = given.mesh()?;
-        let map = known.map(&mesh)?;
+    let materials = materials.map(|labels| labels.of(mapped.face_count(), "materials")).transpose()?;
+    let packed = Supervision::new(threads, None, mapped.face_count()).run(py, |_| {
+        let (mesh, map) = mapped.read()?;
         repack.run(&mesh, &map, materials.as_deref(), Stored::in_precision(Precision::Double)).map_err(Raised::raised)
     })?;
     let page = |island: &usize| packed.placements[*island].page as i32;

@@ -2,12 +2,14 @@
 
 use crate::errors::SettingError;
 use abf::{
-    Atlas, AtlasPages, DoubleSided, Effort, GuessSettings, HoleRule, InnerTolerance, LayoutKind, LayoutSettings,
-    Pipeline, SeamRule, Solver, SolverKind, SolverParts, StopCriteria, Unwrap, Weld,
+    Atlas, AtlasPages, Boundary, BoundaryAngle, DoubleSided, Effort, GuessSettings, HoleRule, InnerTolerance,
+    LayoutKind, LayoutSettings, Parting, Passes, Pipeline, SeamRule, Solver, SolverKind, SolverSettings, StopCriteria,
+    Unwrap, Weld,
 };
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
+use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::str::FromStr;
 use std::time::Duration;
@@ -62,6 +64,16 @@ impl<'py> Keywords<'py> {
         }
     }
 
+    /// Whether a word is this one, and not the `other` one, which is the default.
+    pub(crate) fn is(&self, name: &str, word: &str, other: &str) -> PyResult<bool> {
+        match self.value::<String>(name)? {
+            Some(given) if given == word => Ok(true),
+            None => Ok(false),
+            Some(given) if given == other => Ok(false),
+            Some(given) => Err(SettingError::new_err(format!("{name} must be '{word}' or '{other}', got '{given}'"))),
+        }
+    }
+
     /// How many threads work: `None` is one per processor.
     pub(crate) fn threads(&self) -> PyResult<Option<usize>> {
         self.value("threads")
@@ -78,6 +90,7 @@ impl<'py> Keywords<'py> {
             ("tolerance", kind.keeps_constraints()),
             ("max_iterations", kind.finds_angles()),
             ("time_limit", kind.finds_angles()),
+            ("boundary", kind.keeps_boundary()),
         ];
         self.refuse_what_means_nothing(kind, &concerns)?;
         let limit = self.value::<f64>("time_limit")?;
@@ -89,6 +102,7 @@ impl<'py> Keywords<'py> {
         Ok(Pipeline {
             solver,
             zero_area: self.choice("zero_area")?.unwrap_or(plain.zero_area),
+            boundary: self.boundary()?,
             initial_guess: GuessSettings {
                 ring_switch: self.word_or("ring_switch", "off")?.unwrap_or(estimate.ring_switch),
                 angle_bound: self.value("angle_bound")?.unwrap_or(estimate.angle_bound),
@@ -112,50 +126,34 @@ impl<'py> Keywords<'py> {
 
     fn solver(&self) -> PyResult<Solver> {
         let mut solver = self.choice::<Solver>("solver")?.unwrap_or_default();
-        let kind = solver.kind();
-        let SolverParts { linabf, newton, iterative, barrier, descent, .. } = solver.parts_mut();
-        let concerns = [
-            ("passes", linabf.is_some()),
-            ("barrier_floor", barrier.is_some() || descent.is_some()),
-            ("wheel", newton.is_some()),
-            ("hessian", newton.is_some()),
-            ("line_search", newton.is_some()),
-            ("reduction", iterative.is_some()),
-            ("preconditioner", iterative.is_some()),
-            ("max_inner_iterations", iterative.is_some()),
-            ("inner_tolerance", iterative.is_some()),
-        ];
-        self.refuse_what_means_nothing(kind, &concerns)?;
-        if let Some(linabf) = linabf {
-            linabf.passes = match self.word_or::<usize>("passes", "auto")? {
-                None | Some(None) => linabf.passes,
-                Some(Some(passes)) => {
-                    passes.to_string().parse().map_err(|error| SettingError::new_err(format!("passes: {error}")))?
-                }
-            };
-        }
-        if let Some(newton) = newton {
-            newton.wheel = self.choice("wheel")?.unwrap_or(newton.wheel);
-            newton.hessian = self.choice("hessian")?.unwrap_or(newton.hessian);
-            newton.line_search = self.choice("line_search")?.unwrap_or(newton.line_search);
-            if let Some(Some(tolerance)) = self.word_or("inner_tolerance", "auto")? {
-                newton.inner_tolerance = InnerTolerance::Fixed(tolerance);
-            }
-        }
-        if let Some(iterative) = iterative {
-            iterative.reduction = self.choice("reduction")?.unwrap_or(iterative.reduction);
-            iterative.preconditioner = self.choice("preconditioner")?.unwrap_or(iterative.preconditioner);
-            iterative.max_inner_iterations =
-                self.value("max_inner_iterations")?.unwrap_or(iterative.max_inner_iterations);
-        }
-        let floor = self.value("barrier_floor")?;
-        if let Some(barrier) = barrier {
-            barrier.barrier_floor = floor.unwrap_or(barrier.barrier_floor);
-        }
-        if let Some(descent) = descent {
-            descent.barrier_floor = floor.unwrap_or(descent.barrier_floor);
-        }
+        let passes = |passes: usize| {
+            passes.to_string().parse::<Passes>().map_err(|e| SettingError::new_err(format!("passes: {e}")))
+        };
+        let settings = SolverSettings {
+            passes: self.word_or::<usize>("passes", "auto")?.flatten().map(passes).transpose()?,
+            error_bound: self.value("error_bound")?,
+            barrier_floor: self.value("barrier_floor")?,
+            wheel: self.choice("wheel")?,
+            hessian: self.choice("hessian")?,
+            line_search: self.choice("line_search")?,
+            reduction: self.choice("reduction")?,
+            preconditioner: self.choice("preconditioner")?,
+            max_inner_iterations: self.value("max_inner_iterations")?,
+            inner_tolerance: self.word_or("inner_tolerance", "auto")?.flatten().map(InnerTolerance::Fixed),
+        };
+        settings.give(&mut solver).map_err(|error| SettingError::new_err(error.to_string()))?;
         Ok(solver)
+    }
+
+    /// What the boundary is to look like: a rule by its name, or the angles of vertices.
+    fn boundary(&self) -> PyResult<Boundary> {
+        let Some(given) = self.given("boundary")? else { return Ok(Boundary::default()) };
+        if given.is_instance_of::<PyString>() {
+            return Ok(self.choice("boundary")?.unwrap_or_default());
+        }
+        let angles = self.value::<BTreeMap<u32, f64>>("boundary")?.unwrap_or_default();
+        let angle = |(vertex, angle)| BoundaryAngle { vertex, angle, line: None };
+        Ok(Boundary::Angles(angles.into_iter().map(angle).collect()))
     }
 
     fn refuse_what_means_nothing(&self, kind: SolverKind, concerns: &[(&str, bool)]) -> PyResult<()> {
@@ -186,13 +184,26 @@ impl<'py> Keywords<'py> {
             crease_angle: crease_angle.map_or(plain.crease_angle, f64::to_radians),
             max_chart_length: length
                 .map_or(plain.max_chart_length, |length| (length != f64::INFINITY).then_some(length)),
-            // In an atlas a disk is a chart like all others.
-            cut_disks: true,
+            // In an atlas a disk is a chart like all others, unless something else is said.
+            cut_disks: self.value("cut_disks")?.unwrap_or(true),
             weld: self.weld()?,
             double_sided: self.choice::<DoubleSided>("double_sided")?.unwrap_or(plain.double_sided),
             strict: self.value("strict")?.unwrap_or(plain.strict),
             ..plain
         })
+    }
+
+    /// Why charts are parted when they are packed, if they may be.
+    pub(crate) fn parting(&self, max_stretch: f64) -> PyResult<Option<Parting>> {
+        let coverage = self.value::<f64>("coverage")?;
+        let seam_budget = self.value::<f64>("seam_budget")?;
+        if coverage.is_none() && seam_budget.is_some() {
+            return Err(SettingError::new_err("seam_budget is what coverage may cost: give coverage, too"));
+        }
+        let keeps_inner_margin = self.is("inner_margin", "keep", "count")?;
+        let seam_budget = seam_budget.unwrap_or(Parting::default().seam_budget);
+        let parting = Parting { coverage, seam_budget, keeps_inner_margin, max_stretch };
+        Ok((coverage.is_some() || keeps_inner_margin).then_some(parting))
     }
 
     /// Which vertices in one place are joined: `"auto"`, `"off"` or a distance.

@@ -40,23 +40,27 @@ pub(crate) fn unwrap<'py>(
     let keywords = Keywords(settings);
     let Hints { uv, uv_faces, edges, materials, objects, polygons } = hints;
     let keeps = keywords.value::<bool>("keeps")?.unwrap_or(false);
-    let unwrapper = ArrayUnwrapper { unwrap: keywords.unwrap(keeps)?, atlas: keywords.atlas()?, parting: None };
-    unwrapper.unwrap.check().map_err(|e| abf::ArrayError::from(e).raised())?;
+    let unwrap = keywords.unwrap(keeps)?;
+    unwrap.check().map_err(|e| abf::ArrayError::from(e).raised())?;
+    let parting = keywords.parting(unwrap.max_stretch)?;
+    let unwrapper = ArrayUnwrapper { unwrap, atlas: keywords.atlas()?, parting };
+    let may_overlap = keywords.is("overlap", "allow", "refuse")?;
     let threads = keywords.threads()?;
     let given = Given::new(vertices, faces);
     let known = uv.map(|uv| GivenUv::new(uv, uv_faces));
-    let seams = edges.map(|edges| given.facing(&edges.0)).transpose()?;
     let materials = materials.map(|labels| labels.of(given.face_count(), "materials")).transpose()?;
     let polygons = polygons.map(|labels| labels.of(given.face_count(), "polygons")).transpose()?;
-    let forbidden = polygons.map(|polygons| given.inside(&polygons));
     let objects = objects.map(|labels| labels.of(given.face_count(), "objects")).transpose()?;
     let supervision = Supervision::new(threads, progress, given.face_count());
     let flat = supervision.run(py, |observer| {
-        let (positions, indices) = given.flat()?;
+        let (positions, triangles) = given.flat()?;
         let uv = match known {
-            Some(known) => Some(known.map(&plain_mesh(&positions, &indices)?)?),
+            Some(known) => Some(known.map(&plain_mesh(&positions, &triangles)?)?),
             None => None,
         };
+        let edges = edges.map(|edges| edges.edges(positions.len())).transpose()?;
+        let seams = edges.map(|edges| SurfaceHints::corners_facing(&triangles, &edges));
+        let forbidden = polygons.map(|polygons| SurfaceHints::corners_inside(&triangles, &polygons));
         let hints = SurfaceHints {
             uv: uv.as_ref(),
             face_labels: materials.as_deref(),
@@ -64,20 +68,21 @@ pub(crate) fn unwrap<'py>(
             forbidden: forbidden.as_deref(),
             seams: seams.as_deref(),
         };
-        unwrapper.run_in_doubles(&positions, &indices, &hints, observer).map_err(Raised::raised)
+        unwrapper.run_in_doubles(&positions, triangles.as_flattened(), &hints, observer).map_err(Raised::raised)
     })?;
-    unwrapped(py, flat)
+    unwrapped(py, flat, may_overlap)
 }
 
 /// The mesh of arrays that are known to be in range, to read UVs against.
-fn plain_mesh(positions: &[[f64; 3]], indices: &[u32]) -> PyResult<abf::mesh::TriMesh> {
+fn plain_mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> PyResult<abf::mesh::TriMesh> {
     let points = positions.iter().map(|&p| p.into()).collect();
-    let triangles: Vec<[usize; 3]> = indices.as_chunks::<3>().0.iter().map(|t| t.map(|i| i as usize)).collect();
+    let triangles: Vec<[usize; 3]> = triangles.iter().map(|t| t.map(|i| i as usize)).collect();
     abf::mesh::TriMesh::new(points, &triangles).map_err(|e| abf::ArrayError::from(e).raised())
 }
 
-fn unwrapped(py: Python<'_>, flat: UnwrappedArrays) -> PyResult<Bound<'_, PyDict>> {
-    let UnwrappedArrays { uvs, indices, remap, packed, unwrapped, .. } = flat;
+fn unwrapped(py: Python<'_>, flat: UnwrappedArrays, may_overlap: bool) -> PyResult<Bound<'_, PyDict>> {
+    let certified = flat.is_certified(may_overlap);
+    let UnwrappedArrays { uvs, indices, remap, packed, unwrapped, parted_for_coverage, parted_for_margin, .. } = flat;
     let faces = indices.len() / 3;
     let (mut chart_of_face, mut page_of_face) = (vec![-1_i32; faces], vec![-1_i32; faces]);
     for (number, (chart, placement)) in unwrapped.charts.iter().zip(&packed.placements).enumerate() {
@@ -99,7 +104,9 @@ fn unwrapped(py: Python<'_>, flat: UnwrappedArrays) -> PyResult<Bound<'_, PyDict
     out.set_item("metrics", metrics(py, &packed.metrics)?)?;
     out.set_item("seam_length", unwrapped.seam_length)?;
     out.set_item("repairs", unwrapped.repairs.sentences())?;
-    out.set_item("certified", unwrapped.charts.iter().all(abf::UnwrappedChart::is_certified))?;
+    out.set_item("parted_for_coverage", parted_for_coverage)?;
+    out.set_item("parted_for_margin", parted_for_margin)?;
+    out.set_item("certified", certified)?;
     out.set_item("unfinished", unwrapped.charts.iter().filter(|chart| chart.unfinished).count())?;
     Ok(out)
 }
