@@ -42,6 +42,12 @@ pub enum FlattenError {
     /// The descent moves vertices and has no angles to lay out.
     #[error("the descent places the vertices itself: it cannot use the layout '{0}'")]
     DescentLayout(LayoutKind),
+    /// The map could not be relaxed.
+    #[error("the map could not be relaxed")]
+    Relax(#[source] EmbedError),
+    /// Relaxing moves the boundary.
+    #[error("relaxing to the energy '{0}' moves the boundary: it does not keep a boundary rule")]
+    RelaxBoundary(String),
     /// Only some solvers keep what is asked of the boundary.
     #[error("the solver '{0}' does not keep a boundary rule: auto, linabf and barrier do")]
     BoundarySolver(SolverKind),
@@ -82,6 +88,16 @@ impl FlattenError {
         match source {
             SolveError::Cancelled(cancelled) => Self::Cancelled(cancelled),
             source => Self::Solve { solver, source },
+        }
+    }
+}
+
+impl FlattenError {
+    /// What came of relaxing instead of a map.
+    pub(crate) fn of_relaxing(error: EmbedError) -> Self {
+        match error {
+            EmbedError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Relax(other),
         }
     }
 }

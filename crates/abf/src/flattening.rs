@@ -3,6 +3,7 @@
 use crate::{FlattenError, PrecisionLimits, SolverKind};
 use abf_constraints::KktCounts;
 use abf_control::Termination;
+use abf_embed::Energy;
 use abf_mesh::{TriMesh, UvMap};
 use abf_metrics::{Certificate, Metrics, MetricsError, measure_certified};
 use abf_reconstruct::LayoutKind;
@@ -19,7 +20,7 @@ pub struct Flattening {
     pub certificate: Certificate,
     /// Whose result this is; never [`SolverKind::Auto`], and a user's own by its name.
     pub solver: SolverKind,
-    /// How the solver ended; [`Termination::OnePass`] for LSCM, which is one linear solve. When a ladder broke off
+    /// How the solver ended, or relaxing if that came after it; [`Termination::OnePass`] for LSCM, which is one linear solve. When a ladder broke off
     /// because it was cancelled or out of time, and has nothing certified, that.
     pub termination: Termination,
     /// The angles; `None` for LSCM, which does not solve for any.
@@ -40,6 +41,8 @@ pub struct Flattening {
     pub boundary: Option<BoundaryReport>,
     /// The levels of a hierarchical solver; `None` for the others.
     pub hierarchy: Option<HierarchyReport>,
+    /// What relaxing did; `None` where it was not asked for, or there was no map or no time for it.
+    pub relaxed: Option<RelaxReport>,
     /// Every solver that was tried, in order, by [`SolverKind::Auto`]; empty for the others.
     pub rungs: Vec<RungReport>,
 }
@@ -76,6 +79,24 @@ pub struct HierarchyReport {
     pub levels: Vec<LevelReport>,
     /// Why there is no hierarchy, where there should be one. The solver of its coarse mesh has solved the fine one then.
     pub fallback: Option<NoHierarchy>,
+}
+
+/// What relaxing a map did.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RelaxReport {
+    /// Which energy, for a surface of area 1.
+    pub energy: Energy,
+    /// What it was before, at the scale at which it is least.
+    pub before: f64,
+    /// What it is at the end, at the scale at which it is least.
+    pub after: f64,
+    /// How many steps it took.
+    pub steps: usize,
+    /// How many of these went for shapes within reach, because the map was far from the surface.
+    pub progressive_steps: usize,
+    /// Whether it started from Tutte's embedding, because the map of the solver is not valid.
+    pub from_tutte: bool,
 }
 
 /// What one solver of the ladder [`SolverKind::Auto`] came to.

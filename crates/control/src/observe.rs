@@ -15,6 +15,8 @@ pub enum Stage {
     Layout,
     /// From coordinates to what is proved of them.
     Certificate,
+    /// From a map to one of less energy, where that is asked for; another [`Stage::Certificate`] follows.
+    Relax,
 }
 
 /// Something that happened.

@@ -5,6 +5,7 @@
 //!
 //! * [`tutte()`]: a first drawing, on a circle (Tutte 1963; mean-value weights: Floater 2003).
 //! * [`Descent`]: from there, or from any valid drawing, to the least angle energy with a logarithmic barrier.
+//! * [`Relax`]: from any valid drawing to the least of an energy of angles, of lengths, or of angles and areas.
 //!
 //! | symbol | name here | meaning |
 //! | --- | --- | --- |
@@ -36,13 +37,15 @@
 //!
 //! Where things are: `tutte.rs` the embedding · `descend.rs` the loop, settings and result · `objective.rs` E and its
 //! derivatives by the angles · `newton.rs` a direction · `retract.rs` steps that turn and scale · `line_search.rs` how
-//! far · `plane.rs` one triangle · `system.rs` matrices over faces.
+//! far · `relax/` energies of positions and their steps · `place.rs` where a drawing lies · `plane.rs` one triangle · `system.rs` matrices over faces.
 
 mod descend;
 mod line_search;
 mod newton;
 mod objective;
+mod place;
 mod plane;
+mod relax;
 mod retract;
 mod system;
 mod tutte;
@@ -50,8 +53,10 @@ mod tutte;
 use abf_control::{Cancelled, SettingError, Termination};
 use abf_linalg::LinearError;
 use abf_mesh::{DiskError, FaceId};
-pub use descend::{Descent, DescentRecord, DescentSolution, vertex_points};
+pub use descend::{Descent, DescentRecord, DescentSolution};
 pub use line_search::StepKind;
+pub use place::vertex_points;
+pub use relax::{Energy, Relax, RelaxStep, RelaxedDrawing};
 pub use tutte::{BoundarySpacing, TutteEmbedding, TutteWeights, tutte};
 
 /// Why there is no embedding.

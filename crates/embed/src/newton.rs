@@ -1,7 +1,7 @@
 //! One Gauss–Newton direction.
 
 use crate::objective::Objective;
-use crate::plane::{angle_derivatives, at_resolution, edges, of_face};
+use crate::plane::{add_edge_damping, angle_derivatives, at_resolution, of_face};
 use crate::system::FaceSystem;
 use abf_control::{Cancelled, Checkpoint, at_block};
 use abf_linalg::{Cholesky, LinearError, LinearStats, Refinement};
@@ -89,16 +89,7 @@ impl Newton {
                     (0..6).for_each(|j| block[i][j] += scaled * row[j]);
                 }
             }
-            for (k, edge) in edges(&points).into_iter().enumerate() {
-                let weight = EDGE_DAMPING / edge.norm_sqr();
-                for axis in 0..2 {
-                    let (p, q) = (2 * ((k + 1) % 3) + axis, 2 * ((k + 2) % 3) + axis);
-                    block[p][p] += weight;
-                    block[q][q] += weight;
-                    block[p][q] -= weight;
-                    block[q][p] -= weight;
-                }
-            }
+            add_edge_damping(&mut block, &points, EDGE_DAMPING);
             if at_resolution(&points) {
                 held.push(face);
                 (0..6).for_each(|i| block[i][i] *= HOLD);

@@ -29,6 +29,13 @@ impl Objective<'_, '_> {
         terms.map(|((w, a), x)| w.min(LARGEST_WEIGHT) * (x - a) * (x - a)).sum()
     }
 
+    /// `w (x − a)²` of one corner.
+    #[inline]
+    pub(crate) fn corner_energy(&self, corner: usize, x: f64) -> f64 {
+        let (w, a) = (self.problem.weight()[corner].min(LARGEST_WEIGHT), self.problem.target()[corner]);
+        w * (x - a) * (x - a)
+    }
+
     /// `dE/dx` and `d²E/dx²` at one corner; the second is positive.
     #[inline]
     pub(crate) fn derivatives(&self, corner: usize, x: f64) -> (f64, f64) {

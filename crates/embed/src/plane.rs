@@ -61,6 +61,20 @@ pub(crate) fn angle_derivatives(points: &[Point2<f64>; 3]) -> [[f64; 6]; 3] {
     derivatives
 }
 
+/// Adds `weight Σ |δe|² / |e|²` over the edges of a triangle to its second derivatives.
+pub(crate) fn add_edge_damping(block: &mut [[f64; 6]; 6], points: &[Point2<f64>; 3], weight: f64) {
+    for (k, edge) in edges(points).into_iter().enumerate() {
+        let weight = weight / edge.norm_sqr();
+        for axis in 0..2 {
+            let (p, q) = (2 * ((k + 1) % 3) + axis, 2 * ((k + 2) % 3) + axis);
+            block[p][p] += weight;
+            block[q][q] += weight;
+            block[p][q] -= weight;
+            block[q][p] -= weight;
+        }
+    }
+}
+
 /// The smallest `s > 0` at which the triangle `points + s · motion` has no area; infinite if there is none.
 ///
 /// Twice the area is the quadratic `A + B s + C s²` with the exact-signed `A > 0`; its roots are taken in the form

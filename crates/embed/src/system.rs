@@ -105,6 +105,17 @@ impl<const N: usize> FaceSystem<N> {
         }
     }
 
+    /// Adds to the diagonal of a vertex, if it is in the system.
+    pub(crate) fn add_to_diagonal(&mut self, vertex: VertexId, value: f64) {
+        let block = N / 3;
+        if let Some(unknown) = self.numbering.unknown(vertex) {
+            for row in block * unknown..block * (unknown + 1) {
+                let slot = self.matrix.pattern().column(row).start;
+                self.matrix.values[slot] += value;
+            }
+        }
+    }
+
     /// Factorises the matrix with a little more on its diagonal: [`DIAGONAL_DAMPING`] of it, multiplied by 10 until the
     /// factorisation succeeds.
     pub(crate) fn factorise(&mut self, checkpoint: &mut Checkpoint<'_>) -> Result<Cholesky<f64>, LinearError> {

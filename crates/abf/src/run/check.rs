@@ -3,7 +3,7 @@
 use crate::FlattenError;
 use crate::settings::{Ladder, LinAbf, Method, Pipeline, Solver};
 use abf_constraints::ProblemError;
-use abf_embed::Descent;
+use abf_embed::{Descent, EmbedError};
 use abf_reconstruct::LayoutKind;
 use abf_solve_core::AngleSolver;
 
@@ -16,6 +16,7 @@ impl Pipeline {
         self.check_layout()?;
         self.initial_guess.check()?;
         self.check_boundary()?;
+        self.check_relax()?;
         match self.solver.method() {
             Method::Ladder(Ladder { linabf, newton, barrier, descent }) => {
                 self.check_angles(&(*linabf).into(), linabf)?;
@@ -49,6 +50,14 @@ impl Pipeline {
             }
             (false, _) => Err(FlattenError::BoundarySolver(self.solver.kind())),
         }
+    }
+
+    fn check_relax(&self) -> Result<(), FlattenError> {
+        let Some(relax) = &self.relax else { return Ok(()) };
+        if !self.boundary.is_free() {
+            return Err(FlattenError::RelaxBoundary(relax.energy.to_string()));
+        }
+        self.stop.check().map_err(EmbedError::from).and_then(|()| relax.check()).map_err(FlattenError::Relax)
     }
 
     fn check_angles(&self, solver: &Solver, angles: &dyn AngleSolver) -> Result<(), FlattenError> {

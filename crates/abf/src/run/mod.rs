@@ -5,6 +5,7 @@ mod check;
 mod corners;
 mod ladder;
 mod levels;
+mod relax;
 mod task;
 mod thin;
 
@@ -132,12 +133,17 @@ impl Pipeline {
         let solve = |problem: &AngleProblem<'_>, pipeline: &Self, observer: &mut dyn Observer| {
             boundary::solve_bounded((pipeline, working), problem, &solve, observer)
         };
+        let given = Given { pipeline: self, original: mesh, mesh: working, scale, problem: &problem };
+        let finish = |flat: Flattening, observer: &mut dyn Observer| match &self.relax {
+            None => Ok(flat),
+            Some(relax) => relax::relaxed(given, relax, flat, &budget.left(), observer),
+        };
         let flat = solve(&problem, self, observer);
         if problem.thin_corners() == 0 || !self.uses_the_initial_guess() || budget.is_spent() {
-            return flat;
+            return finish(flat?, observer);
         }
         let bounded = pose(GuessSettings { keep_thin: false, ..self.initial_guess }, angles)?;
-        thin::better(mesh, prospect.enough, flat, observer, |own, observer| {
+        let flat = thin::better(mesh, prospect.enough, flat, observer, |own, observer| {
             // A rung that goes on to the optimum comes to the same one from either start.
             let is_optimal = own.is_some_and(|kind| matches!(kind, SolverKind::Barrier | SolverKind::Descent));
             let solver = match &self.solver {
@@ -145,7 +151,8 @@ impl Pipeline {
                 solver => solver.clone(),
             };
             solve(&bounded, &Self { stop: budget.left(), solver, ..self.clone() }, observer)
-        })
+        })?;
+        finish(flat, observer)
     }
 
     /// Whether the result depends on where the angles start.

@@ -60,9 +60,9 @@ pub(super) struct Task<'t> {
 }
 
 /// UVs as they will be stored, and what is proved of them.
-struct Certified {
-    uv: UvMap,
-    certificate: Certificate,
+pub(super) struct Certified {
+    pub(super) uv: UvMap,
+    pub(super) certificate: Certificate,
 }
 
 impl<'t> Task<'t> {
@@ -155,7 +155,7 @@ impl<'t> Task<'t> {
 
     /// Where a drawing may be put, the best place first: where every layout is, then without moving and turning it,
     /// then as it is. Each with whether it is pinned and whether it has the scale asked for.
-    fn placements(&self, uv: &[Point2<f64>], area_matched: bool) -> Vec<(UvMap, bool, bool)> {
+    pub(super) fn placements(&self, uv: &[Point2<f64>], area_matched: bool) -> Vec<(UvMap, bool, bool)> {
         let as_it_is = UvMap::per_vertex(self.given.mesh, uv);
         let aligned = aligned(self.given.mesh, self.given.problem.topology(), uv);
         let mut places = Vec::new();
@@ -171,7 +171,7 @@ impl<'t> Task<'t> {
     }
 
     /// The first of these drawings that is valid as it will be stored; the first of all if none is.
-    fn first_valid(
+    pub(super) fn first_valid(
         &self,
         places: Vec<(UvMap, bool, bool)>,
         observer: &mut dyn Observer,
@@ -232,6 +232,7 @@ impl<'t> Task<'t> {
             boundary,
             solution,
             hierarchy: None,
+            relaxed: None,
             rungs: Vec::new(),
         }
     }

@@ -3,6 +3,7 @@
 use crate::settings::{Solver, ZeroArea};
 use abf_constraints::{Boundary, GuessSettings};
 use abf_control::StopCriteria;
+use abf_embed::Relax;
 use abf_metrics::Precision;
 use abf_reconstruct::LayoutSettings;
 
@@ -29,6 +30,10 @@ pub struct Pipeline {
     /// reads [`LayoutKind::Auto`](abf_reconstruct::LayoutKind::Auto) as the weighted one, which is LSCM proper.
     /// [`Solver::Descent`] lays out nothing.
     pub layout: LayoutSettings,
+    /// Relax the map of the solver, or of [`Unwrap`](crate::Unwrap) each chart, until an energy over the positions is least;
+    /// `None`: it stays as it is.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub relax: Option<Relax>,
     /// Scale the UVs into the unit square instead of giving them the area of the surface.
     pub normalize: bool,
     /// What the UVs will be stored in: they are rounded to it, and certified as that.

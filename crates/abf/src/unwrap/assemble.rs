@@ -90,6 +90,7 @@ fn in_input(
         layout: finished.layout,
         rungs: finished.rungs,
         layout_error: finished.layout_error,
+        relaxed: finished.relaxed,
         seam_length: 0.0,
         rounds: finished.rounds,
         holes_filled: finished.holes_filled,

@@ -1,6 +1,6 @@
 //! From a flattened chart with virtual faces to one without.
 
-use crate::{FlattenError, Flattening, LayoutReport, RungReport, SolveReport, SolverKind};
+use crate::{FlattenError, Flattening, LayoutReport, RelaxReport, RungReport, SolveReport, SolverKind};
 use abf_control::{Checkpoint, Termination};
 use abf_cut::Chart;
 use abf_mesh::{FaceId, Submesh, TriMesh, UvMap};
@@ -24,6 +24,7 @@ pub(super) struct Finished {
     pub(super) layout: LayoutReport,
     pub(super) rungs: Vec<RungReport>,
     pub(super) layout_error: Option<f64>,
+    pub(super) relaxed: Option<RelaxReport>,
     pub(super) rounds: usize,
     pub(super) holes_filled: usize,
     pub(super) virtual_faces: usize,
@@ -85,6 +86,7 @@ impl Finished {
             layout,
             rungs: Vec::new(),
             layout_error: None,
+            relaxed: None,
             rounds: 0,
             holes_filled: 0,
             virtual_faces: real.abs_diff(chart.mesh.face_count()),
@@ -123,6 +125,7 @@ pub(super) fn finish(
         layout: flat.layout,
         rungs: flat.rungs,
         layout_error,
+        relaxed: flat.relaxed,
         rounds: 0,
         holes_filled: 0,
         virtual_faces: 0,
@@ -132,7 +135,9 @@ pub(super) fn finish(
 
 /// The largest difference between a laid-out angle and the one solved for, rad.
 fn layout_error(chart: &Chart, real: usize, flat: &Flattening) -> Result<Option<f64>, FlattenError> {
-    let Some(angles) = flat.solution.as_ref().map(AngleSolution::angles) else { return Ok(None) };
+    // A map that was relaxed has left the angles that were solved for.
+    let solution = flat.solution.as_ref().filter(|_| flat.relaxed.is_none());
+    let Some(angles) = solution.map(AngleSolution::angles) else { return Ok(None) };
     let faces = per_face(&chart.mesh, &flat.uv)?;
     let laid_out = faces[..real].iter().flat_map(|face| face.uv_angles);
     Ok(Some(laid_out.zip(angles).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)))

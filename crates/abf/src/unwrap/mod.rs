@@ -18,7 +18,7 @@ mod stretch;
 mod surface;
 mod unfinished;
 
-use crate::{FlattenError, LayoutReport, Pipeline, RungReport, SolveReport, SolverKind, ZeroArea};
+use crate::{FlattenError, LayoutReport, Pipeline, RelaxReport, RungReport, SolveReport, SolverKind, ZeroArea};
 use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, ask};
 use abf_cut::{
     Chart, CostSettings, DoubleSided, RepairReport, Seams, Weld, label_borders, paired_by_place, repair_asking,
@@ -155,6 +155,8 @@ pub struct UnwrappedChart {
     pub solve: SolveReport,
     /// What the layout did.
     pub layout: LayoutReport,
+    /// What relaxing did, on its last disk; `None` where it was not asked for, or the chart lies in a plane.
+    pub relaxed: Option<RelaxReport>,
     /// What the solvers of [`SolverKind::Auto`] came to.
     pub rungs: Vec<RungReport>,
     /// The largest difference between an angle of the UVs and the one solved for, rad, over faces that are not virtual;

@@ -38,8 +38,10 @@ impl Component<'_, '_> {
             HoleRule::Fill(_) | HoleRule::Cut => false,
         };
         let mut foresight = Foresight::new(self.settings.max_stretch);
-        let may_do_as_it_is =
-            (is_disk || may_stay_open) && !foresight.is_hopeless_as_it_is(piece, &mut || self.go_on())?;
+        // What is foreseen is the stretch of a conformal map.
+        let is_relaxed = self.settings.pipeline.relax.is_some();
+        let may_do_as_it_is = (is_disk || may_stay_open)
+            && (is_relaxed || !foresight.is_hopeless_as_it_is(piece, &mut || self.go_on())?);
         let as_it_is = if may_do_as_it_is { self.as_it_is(piece, is_disk, &mut foresight)? } else { None };
         if let Some(attempt) = as_it_is {
             return Ok(attempt);
@@ -199,6 +201,7 @@ impl Component<'_, '_> {
             self.go_on()?;
             let real = surface.real;
             let vertices = surface.mesh.vertex_count();
+            let is_foreseen = is_foreseen || self.settings.pipeline.relax.is_some();
             let first_rung = if is_foreseen { self.first_rung(&chart, foresight)? } else { None };
             let known = first_rung.map(|flat| (flat.uv.clone(), flat));
             let (quick, first_rung) = match known {

@@ -10,7 +10,7 @@ use abf::embed::EmbedError;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
 use abf::{
-    Boundary, FlattenError, GuessSettings, LayoutSettings, LinAbf, Pipeline, Solver, SolverKind, SolverParts,
+    Boundary, FlattenError, GuessSettings, LayoutSettings, LinAbf, Pipeline, Relax, Solver, SolverKind, SolverParts,
     StopCriteria,
 };
 use clap::error::ErrorKind;
@@ -179,6 +179,7 @@ fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
             ..stop
         },
         layout: LayoutSettings { kind: args.layout, ..LayoutSettings::default() },
+        relax: args.energy.map(|energy| Relax { energy, ..Relax::default() }),
         normalize: args.normalize,
         max_memory: args.max_memory.map(|size| size.0),
         ..Pipeline::default()
@@ -224,7 +225,10 @@ fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
             Err(Refusal::Combination(error.to_string()))
         }
         Err(
-            error @ (FlattenError::LscmLayout(_) | FlattenError::DescentLayout(_) | FlattenError::BoundarySolver(_)),
+            error @ (FlattenError::LscmLayout(_)
+            | FlattenError::DescentLayout(_)
+            | FlattenError::BoundarySolver(_)
+            | FlattenError::RelaxBoundary(_)),
         ) => Err(Refusal::Combination(error.to_string())),
         Err(error) => Err(Refusal::Setting(out_of_range(pipeline, &error).unwrap_or_else(|| chain(&error)))),
     }

@@ -37,7 +37,7 @@ pub(crate) use outcome::Outcome;
 pub(crate) use quality::Quality;
 pub(crate) use repacked::Repacked;
 pub(crate) use result::Record;
-pub(crate) use run::{RunRecord, RungRecord};
+pub(crate) use run::{Relaxed, RunRecord, RungRecord};
 pub(crate) use settings::Asked;
 pub(crate) use size::{Kkt, Size};
 pub(crate) use times::{Repeats, Spread, Stages, Timings};

@@ -12,7 +12,7 @@ use super::not_run::NotRun;
 use super::quality::Quality;
 use super::repacked::Repacked;
 use super::result::Record;
-use super::run::{BoundaryMet, Hierarchy, Limits, RunRecord, RungRecord, Solved};
+use super::run::{BoundaryMet, Hierarchy, Limits, Relaxed, RunRecord, RungRecord, Solved};
 use super::settings::Asked;
 use super::size::{Kkt, Size};
 use super::surveyed::{About, Counts, FileState, LogHead, MadeWith, SurveyDocument, Surveyed};
@@ -21,8 +21,8 @@ use abf::constraints::AngleProblem;
 use abf::hierarchy::LevelReport;
 use abf::solve_core::SolveError;
 use abf::{
-    AngleSolution, AngleSolver, IterationRecord, LayoutKind, Observer, Pipeline, Precision, Silent, Solver, SolverKind,
-    StopCriteria, SurfaceHints, Termination, Unwrap, flatten,
+    AngleSolution, AngleSolver, Energy, IterationRecord, LayoutKind, Observer, Pipeline, Precision, Silent, Solver,
+    SolverKind, StopCriteria, SurfaceHints, Termination, Unwrap, flatten,
 };
 use proptest::prelude::*;
 use proptest::test_runner::TestRng;
@@ -191,6 +191,14 @@ impl Dice {
             }),
             hierarchy: self
                 .maybe(|dice| Hierarchy { levels: dice.some(Self::level), fallback: dice.maybe(Self::text) }),
+            relaxed: self.maybe(|dice| Relaxed {
+                energy: dice.one_of(&[Energy::Abf, Energy::Isometric, Energy::USABLE, Energy::Slider(0.3)]),
+                before: dice.figure(),
+                after: dice.figure(),
+                steps: dice.count(),
+                progressive_steps: dice.count(),
+                from_tutte: dice.yes(),
+            }),
         }
     }
 
@@ -285,6 +293,7 @@ impl Dice {
             topology: self.number(),
             solve: self.number(),
             layout: self.number(),
+            relax: self.maybe(Self::number),
             flatten: self.number(),
             flatten_cpu: self.maybe(Self::number),
         }

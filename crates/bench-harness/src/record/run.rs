@@ -6,7 +6,8 @@ use super::text;
 use crate::record::failure::chain;
 use abf::hierarchy::LevelReport;
 use abf::{
-    BoundaryReport, Flattening, Hessian, HierarchyReport, LayoutKind, LayoutReport, Pipeline, PrecisionLimits,
+    BoundaryReport, Energy, Flattening, Hessian, HierarchyReport, LayoutKind, LayoutReport, Pipeline, PrecisionLimits,
+    RelaxReport,
     RungReport, SolveReport, SolverKind, Termination, UnwrappedChart, WheelForm,
 };
 use serde::{Deserialize, Serialize};
@@ -82,6 +83,9 @@ pub(crate) struct Solved {
     /// The levels of a hierarchical solver; absent of others, and of charts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) hierarchy: Option<Hierarchy>,
+    /// What relaxing did; absent where it was not asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) relaxed: Option<Relaxed>,
 }
 
 /// The levels of a hierarchical solver: see [`abf::HierarchyReport`].
@@ -98,6 +102,50 @@ impl Hierarchy {
     fn new(report: &HierarchyReport) -> Self {
         let fallback = report.fallback.as_ref().map(ToString::to_string);
         Self { levels: report.levels.clone(), fallback }
+    }
+}
+
+/// What relaxing a map did: see [`abf::RelaxReport`]. Of several charts the largest energies, and all steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Relaxed {
+    /// Which energy.
+    #[serde(with = "text")]
+    pub(crate) energy: Energy,
+    /// What it was before.
+    #[serde(with = "figure")]
+    pub(crate) before: f64,
+    /// What it is at the end.
+    #[serde(with = "figure")]
+    pub(crate) after: f64,
+    /// How many steps it took.
+    pub(crate) steps: usize,
+    /// How many of these went for shapes within reach.
+    pub(crate) progressive_steps: usize,
+    /// Whether it started from Tutte's embedding.
+    pub(crate) from_tutte: bool,
+}
+
+impl Relaxed {
+    fn new(report: &RelaxReport) -> Self {
+        Self {
+            energy: report.energy,
+            before: known(report.before),
+            after: known(report.after),
+            steps: report.steps,
+            progressive_steps: report.progressive_steps,
+            from_tutte: report.from_tutte,
+        }
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            energy: self.energy,
+            before: self.before.max(other.before),
+            after: self.after.max(other.after),
+            steps: self.steps + other.steps,
+            progressive_steps: self.progressive_steps + other.progressive_steps,
+            from_tutte: self.from_tutte || other.from_tutte,
+        }
     }
 }
 
@@ -215,7 +263,11 @@ impl RunRecord {
         let precision_limits = flat.precision_limits.as_ref().map(Limits::new);
         let boundary = flat.boundary.as_ref().map(BoundaryMet::new);
         let hierarchy = flat.hierarchy.as_ref().map(Hierarchy::new);
-        Self { settings: Asked::new(pipeline), solved: Solved { precision_limits, boundary, hierarchy, ..solved } }
+        let relaxed = flat.relaxed.as_ref().map(Relaxed::new);
+        Self {
+            settings: Asked::new(pipeline),
+            solved: Solved { precision_limits, boundary, hierarchy, relaxed, ..solved },
+        }
     }
 
     /// The report of a mesh in charts; `None` where there are none.
@@ -242,7 +294,9 @@ impl Solved {
     /// What became of a chart.
     pub(crate) fn of_chart(pipeline: &Pipeline, chart: &UnwrappedChart) -> Self {
         let rungs = chart.rungs.iter().map(|rung| RungRecord::new(rung, None)).collect();
-        Self::new(pipeline, (chart.solver, chart.termination), &chart.solve, &chart.layout, rungs)
+        let relaxed = chart.relaxed.as_ref().map(Relaxed::new);
+        let solved = Self::new(pipeline, (chart.solver, chart.termination), &chart.solve, &chart.layout, rungs);
+        Self { relaxed, ..solved }
     }
 
     fn new(
@@ -279,6 +333,7 @@ impl Solved {
             precision_limits: None,
             boundary: None,
             hierarchy: None,
+            relaxed: None,
         }
     }
 
@@ -314,6 +369,7 @@ impl Solved {
             precision_limits: None,
             boundary: None,
             hierarchy: None,
+            relaxed: joined(self.relaxed, other.relaxed.clone(), Relaxed::and),
         }
     }
 }

@@ -40,9 +40,12 @@ pub(crate) struct Stages {
     pub(crate) solve: f64,
     /// From angles to coordinates.
     pub(crate) layout: f64,
-    /// All three: what solvers are compared by.
+    /// Relaxing the map; absent where that was not asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) relax: Option<f64>,
+    /// All of them: what solvers are compared by.
     pub(crate) flatten: f64,
-    /// The processor time of all three, over all threads; absent where other work goes on beside it.
+    /// The processor time of the same, over all threads; absent where other work goes on beside it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) flatten_cpu: Option<f64>,
 }
@@ -86,6 +89,7 @@ impl Spread {
                 topology: stage(|s| s.topology),
                 solve: stage(|s| s.solve),
                 layout: stage(|s| s.layout),
+                relax: runs.iter().all(|s| s.relax.is_some()).then(|| stage(|s| s.relax.unwrap_or_default())),
                 flatten: stage(|s| s.flatten),
                 flatten_cpu: runs
                     .iter()
@@ -109,9 +113,9 @@ mod tests {
     #[test]
     fn the_spread_is_taken_stage_by_stage() {
         let run =
-            |solve, layout| Stages { topology: 1.0, solve, layout, flatten: 1.0 + solve + layout, flatten_cpu: None };
+            |solve, layout| Stages { topology: 1.0, solve, layout, flatten: 1.0 + solve + layout, ..Stages::default() };
         let spread = Spread::of(&[run(5.0, 1.0), run(2.0, 2.0), run(3.0, 9.0)]);
-        assert_eq!(spread.median, Stages { topology: 1.0, solve: 3.0, layout: 2.0, flatten: 7.0, flatten_cpu: None });
+        assert_eq!(spread.median, Stages { topology: 1.0, solve: 3.0, layout: 2.0, flatten: 7.0, ..Stages::default() });
         assert_eq!((spread.min.solve, spread.max.layout), (2.0, 9.0));
         assert_eq!(Spread::of(&[run(5.0, 1.0), run(2.0, 2.0)]).median.solve, 3.5);
         assert_eq!(Spread::of(&[run(5.0, 1.0)]).median, run(5.0, 1.0));

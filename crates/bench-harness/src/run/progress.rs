@@ -125,8 +125,10 @@ impl Clock {
 
 /// The stages from a mesh to its UVs, and their sum.
 fn flattened(seconds: impl Fn(Stage) -> f64) -> Stages {
-    let [topology, solve, layout] = [Stage::Topology, Stage::Solve, Stage::Layout].map(seconds);
-    Stages { topology, solve, layout, flatten: topology + solve + layout, flatten_cpu: None }
+    let [topology, solve, layout] = [Stage::Topology, Stage::Solve, Stage::Layout].map(&seconds);
+    let relax = Some(seconds(Stage::Relax)).filter(|&relax| relax > 0.0);
+    let flatten = topology + solve + layout + relax.unwrap_or(0.0);
+    Stages { topology, solve, layout, relax, flatten, flatten_cpu: None }
 }
 
 /// Processor time, from the first stage to the one after the layout.
@@ -139,7 +141,7 @@ struct Cpu {
 impl Cpu {
     fn stage(&mut self, stage: Stage) {
         match stage {
-            Stage::Topology | Stage::Solve | Stage::Layout => {
+            Stage::Topology | Stage::Solve | Stage::Layout | Stage::Relax => {
                 self.running.get_or_insert_with(ProcessTime::now);
             }
             _ => self.stop(),
@@ -175,6 +177,7 @@ impl Observer for Progress<'_> {
                         Stage::Topology => "topology",
                         Stage::Solve => "solving",
                         Stage::Certificate => "certificate",
+                        Stage::Relax => "relaxing",
                         _ => "layout",
                     },
                 ));
@@ -193,7 +196,11 @@ impl Observer for Progress<'_> {
                 if let Some(curves) = &mut self.curves {
                     curves.outer();
                 }
-                let done = format!("solving: {} done, residual {:.1e}", record.iteration, record.constraint_residual);
+                let is_relaxing = clock.starts.last().is_some_and(|&(stage, _)| stage == Stage::Relax);
+                let done = match record.energy.filter(|_| is_relaxing) {
+                    Some(energy) => format!("relaxing: {} done, energy {energy:.4e}", record.iteration),
+                    None => format!("solving: {} done, residual {:.1e}", record.iteration, record.constraint_residual),
+                };
                 self.say(at(place, &done));
             }
             _ => {}

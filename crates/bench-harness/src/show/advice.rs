@@ -4,7 +4,7 @@ use crate::record::hints::{OR, TRY};
 use crate::record::number::{count, significant};
 use crate::record::{Outcome, Quality, Record, RunRecord, RungRecord};
 use abf::{
-    Boundary, Hessian, IterativeSettings, LayoutKind, LinAbf, LineSearch, Passes, Pipeline, PreconditionerKind,
+    Boundary, Energy, Hessian, IterativeSettings, LayoutKind, LinAbf, LineSearch, Passes, Pipeline, PreconditionerKind,
     Reduction, Solver, SolverKind, Termination,
 };
 
@@ -152,6 +152,9 @@ fn stretched(record: &Record, may_cut: bool) -> Option<String> {
     /// A texture that is stretched this much has one texel where it should have a hundred.
     const OF_LITTLE_USE: f64 = 10.0;
     let stretch = record.quality.as_ref()?.stretch_l2;
+    // Relaxing is for maps of a free boundary, once.
+    let asked = record.run.as_ref().and_then(|run| run.settings.pipeline());
+    let may_relax = asked.is_some_and(|asked| asked.relax.is_none() && asked.boundary.is_free());
     (stretch > OF_LITTLE_USE).then(|| {
         let stretch = significant(stretch, 2);
         let is_cut = record.atlas.as_ref().is_some_and(|atlas| atlas.settings.cuts_disks());
@@ -162,7 +165,12 @@ fn stretched(record: &Record, may_cut: bool) -> Option<String> {
             (true, true) => "a smaller --max-stretch",
             (false, _) => "to cut the mesh where it stretches",
         };
-        format!("an L2 stretch of {stretch} is of little use{TRY}{way_out}")
+        let relaxing = if may_relax {
+            format!("--energy {}, which keeps areas within bounds{OR}", Energy::USABLE)
+        } else {
+            String::new()
+        };
+        format!("an L2 stretch of {stretch} is of little use{TRY}{relaxing}{way_out}")
     })
 }
 

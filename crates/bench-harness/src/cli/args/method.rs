@@ -4,7 +4,7 @@ use super::BoundaryRule;
 use crate::record::InnerAccuracy;
 use crate::record::misread::Misread;
 use abf::{
-    Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, UnknownName, WheelForm,
+    Energy, Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, UnknownName, WheelForm,
     ZeroArea,
 };
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -37,6 +37,10 @@ pub(crate) struct MethodArgs {
     /// How angles become coordinates; auto is the tree when the angles close, else least squares
     #[arg(long, hide_short_help = true, value_name = "KIND", default_value_t, value_parser = one_of::<LayoutKind, _>(LayoutKind::ALL.map(LayoutKind::name)))]
     pub(crate) layout: LayoutKind,
+    /// Relax the map, or each chart, until an energy is least: abf (angles), isometric (lengths), usable (angles, and areas
+    /// within bounds) or THETA, the weight of areas beside angles; usable is 0.01. Not with --boundary
+    #[arg(long, value_name = "abf|isometric|usable|THETA", allow_negative_numbers = true)]
+    pub(crate) energy: Option<Energy>,
     /// Scale the UVs into the unit square; otherwise they have the area of the surface, and charts are in it anyway
     #[arg(long)]
     pub(crate) normalize: bool,

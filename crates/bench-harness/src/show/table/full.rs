@@ -1,7 +1,7 @@
 //! One record for people, in full.
 
 use crate::record::number::{count, megabytes, seconds, significant};
-use crate::record::{InnerAccuracy, Kkt, Quality, Record, RunRecord, Size, Timings};
+use crate::record::{InnerAccuracy, Kkt, Quality, Record, Relaxed, RunRecord, Size, Timings};
 use crate::show::advice::{ending, lost_in_single};
 use abf::{Boundary, LinAbf, Metrics, Precision, Solver, SolverKind};
 use std::f64::consts::PI;
@@ -75,6 +75,7 @@ fn run_lines(solver: &str, run: &RunRecord) -> Vec<(&'static str, String)> {
     lines.extend(asked.and_then(|asked| curvature_line(&asked, run)).map(|line| ("curvature", line)));
     lines.extend(boundary_line(run).map(|line| ("boundary", line)));
     lines.extend(hierarchy_line(run).map(|line| ("levels", line)));
+    lines.extend(run.relaxed.as_ref().map(|relaxed| ("relaxed", relaxed_line(relaxed))));
     lines.push(("layout", layout_line(run)));
     lines
 }
@@ -144,6 +145,18 @@ fn boundary_line(run: &RunRecord) -> Option<String> {
         parts.push("injective by convexity".to_owned());
     }
     Some(parts.join(", "))
+}
+
+/// What relaxing did.
+fn relaxed_line(relaxed: &Relaxed) -> String {
+    let (before, after) = (significant(relaxed.before, DIGITS), significant(relaxed.after, DIGITS));
+    let start = if relaxed.from_tutte { ", from Tutte's embedding" } else { "" };
+    let steps = count(relaxed.steps, "step", "steps");
+    let progressive = match relaxed.progressive_steps {
+        0 => String::new(),
+        some => format!(", {some} of them progressive"),
+    };
+    format!("energy {}: {before} → {after} in {steps}{progressive}{start}", relaxed.energy)
 }
 
 fn newton_line(asked: &Solver) -> Option<String> {

@@ -1,0 +1,160 @@
+//! The steps of a relaxation.
+
+use super::RelaxStep;
+use super::terms::{Direction, Directions, Terms};
+use crate::plane::{angles, of_face};
+use abf_control::{Cancelled, IterationRecord, Termination, Watch};
+use abf_linalg::LinearError;
+use abf_mesh::{Point2, Topology, VertexId};
+use abf_parallel::prelude::*;
+use std::f64::consts::PI;
+
+/// The least part of the decrease that the slope promises (Armijo 1966).
+const SUFFICIENT: f64 = 1e-4;
+/// The part of the way to the first collapsing triangle that is gone at most.
+const WAY_TO_COLLAPSE: f64 = 0.9;
+/// A step is halved so often at most.
+const TRIALS: usize = 40;
+/// A surface of area 1 whose energy is below this is as it is in space, to the rounding of its points.
+const NOTHING_TO_GAIN: f64 = 1e-18;
+
+/// A drawing on its way.
+pub(crate) struct Run<'r> {
+    pub(crate) topology: &'r Topology,
+    pub(crate) uv: Vec<Point2<f64>>,
+    pub(crate) directions: Directions,
+    pub(crate) steps: Vec<RelaxStep>,
+    /// As observers were told of them.
+    pub(crate) reported: Vec<IterationRecord>,
+    pub(crate) tolerance: f64,
+    pub(crate) max_steps: usize,
+    /// The side of a square as large as the surface.
+    pub(crate) unit: f64,
+}
+
+/// What came of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Outcome {
+    /// It was taken, and there may be more to gain.
+    Better,
+    /// It was taken, if it led anywhere, and there is nothing more to gain.
+    Done,
+    /// No share of it led anywhere.
+    Stuck,
+}
+
+impl Run<'_> {
+    /// Steps until there is nothing more to gain.
+    pub(crate) fn descend(&mut self, terms: &Terms<'_>, watch: &mut Watch<'_>) -> Result<Termination, Cancelled> {
+        loop {
+            if let Some(end) = self.end(watch) {
+                return Ok(end);
+            }
+            match self.step(terms, false, watch)? {
+                Outcome::Better => {}
+                Outcome::Done => return Ok(Termination::Converged),
+                Outcome::Stuck => return Ok(Termination::Stalled),
+            }
+        }
+    }
+
+    /// Why there must be no further step.
+    pub(crate) fn end(&self, watch: &Watch<'_>) -> Option<Termination> {
+        watch.interruption().or((self.steps.len() >= self.max_steps).then_some(Termination::MaxIterations))
+    }
+
+    /// One step.
+    pub(crate) fn step(
+        &mut self,
+        terms: &Terms<'_>,
+        is_progressive: bool,
+        watch: &mut Watch<'_>,
+    ) -> Result<Outcome, Cancelled> {
+        let before = terms.value(&self.uv);
+        let direction = match self.directions.at(terms, &self.uv, &mut || watch.checkpoint()) {
+            Ok(direction) => direction,
+            Err(LinearError::Cancelled(cancelled)) => return Err(cancelled),
+            Err(_) => return Ok(Outcome::Stuck),
+        };
+        let is_last = -direction.slope <= self.tolerance * before + NOTHING_TO_GAIN;
+        let found = self.search(terms, &direction, before, watch)?;
+        let (energy, step_length) = found.as_ref().map_or((before, 0.0), |found| (found.value, found.share));
+        let step = RelaxStep {
+            iteration: self.steps.len() + 1,
+            is_progressive,
+            energy,
+            slope: direction.slope,
+            step: direction.motion.iter().map(|d| d.norm()).fold(0.0, f64::max) / self.unit,
+            step_length,
+            linear: direction.linear,
+        };
+        self.steps.push(step);
+        let has_moved = found.is_some();
+        if let Some(found) = found {
+            self.uv = found.uv;
+        }
+        let record = reported(&step);
+        self.reported.push(record);
+        watch.iteration(&record)?;
+        Ok(match (is_last, has_moved) {
+            (true, _) => Outcome::Done,
+            (false, true) => Outcome::Better,
+            (false, false) => Outcome::Stuck,
+        })
+    }
+
+    /// The longest step along a direction, halved from the first collapse on, that costs enough less.
+    fn search(
+        &self,
+        terms: &Terms<'_>,
+        direction: &Direction,
+        before: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<Option<Found>, Cancelled> {
+        let end: f64 = (WAY_TO_COLLAPSE * terms.first_collapse(&self.uv, &direction.motion)).min(1.0);
+        for share in std::iter::successors(Some(end), |s| Some(0.5 * s)).take(TRIALS) {
+            watch.checkpoint()?;
+            let uv: Vec<Point2<f64>> = self.uv.iter().zip(&direction.motion).map(|(p, d)| p + d * share).collect();
+            let value = terms.value(&uv);
+            let is_enough = value < before && value <= before + SUFFICIENT * share * direction.slope;
+            if is_enough && !winds_twice(self.topology, &uv) {
+                return Ok(Some(Found { uv, value, share }));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// A better drawing.
+struct Found {
+    uv: Vec<Point2<f64>>,
+    value: f64,
+    share: f64,
+}
+
+/// What observers of solvers know how to read. A drawing closes by itself, so there is no residual.
+fn reported(step: &RelaxStep) -> IterationRecord {
+    IterationRecord {
+        iteration: step.iteration,
+        step: step.step,
+        inner_iterations: step.linear.iterations,
+        inner_residual: step.linear.relative_residual,
+        inner_converged: true,
+        energy: Some(step.energy),
+        step_length: step.step_length,
+        ..IterationRecord::default()
+    }
+}
+
+/// Whether the triangles around an interior vertex, all counter-clockwise, turn around it more than once. Their angles sum
+/// to a multiple of 2π, so rounding cannot make one of another.
+fn winds_twice(topology: &Topology, uv: &[Point2<f64>]) -> bool {
+    const BETWEEN_ONCE_AND_TWICE: f64 = 3.0 * PI;
+    const PER_TASK: usize = 1 << 10;
+    let of = |v: usize| {
+        let v = VertexId::new(v);
+        let angle = |c: abf_mesh::CornerId| angles(&of_face(topology, uv, c.face()))[c.index() % 3];
+        topology.is_interior(v) && topology.fan(v).map(angle).sum::<f64>() > BETWEEN_ONCE_AND_TWICE
+    };
+    (0..topology.vertex_count()).into_par_iter().with_min_len(PER_TASK).any(of)
+}

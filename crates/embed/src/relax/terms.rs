@@ -1,0 +1,169 @@
+//! What a drawing costs, all together, and the direction in which it costs less.
+
+use super::energy::{Derivatives, TriangleEnergy};
+use crate::plane::{first_collapse, of_face};
+use crate::system::FaceSystem;
+use abf_control::{Cancelled, Checkpoint};
+use abf_linalg::{LinearError, LinearStats, Refinement};
+use abf_mesh::{FaceId, Point2, Topology, Vector2, VertexId};
+use abf_parallel::prelude::*;
+
+/// So many faces are summed up, and differentiated, by one thread at a time. Sums are added block by block, in order.
+const BLOCK: usize = 1 << 10;
+
+/// The derivatives of so many blocks are held at once.
+const BLOCKS_AT_ONCE: usize = 16;
+
+/// A direction is checked by its descent, not by its digits.
+const REFINEMENT: Refinement = Refinement { tolerance: 1e-8, max_steps: 2 };
+
+/// A vertex drawn to a place by `weight |u − target|²`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spring {
+    pub(crate) vertex: VertexId,
+    pub(crate) target: Point2<f64>,
+    pub(crate) weight: f64,
+}
+
+/// The terms of the cost of a drawing.
+#[derive(Clone, Copy)]
+pub(crate) struct Terms<'t> {
+    pub(crate) topology: &'t Topology,
+    pub(crate) triangles: &'t dyn TriangleEnergy,
+    pub(crate) springs: &'t [Spring],
+}
+
+/// Where to go.
+pub(crate) struct Direction {
+    /// Per vertex.
+    pub(crate) motion: Vec<Vector2<f64>>,
+    /// What a full step promises, twice; negative.
+    pub(crate) slope: f64,
+    /// The linear solve.
+    pub(crate) linear: LinearStats,
+}
+
+impl Terms<'_> {
+    /// The cost; infinite where a triangle is not counter-clockwise.
+    pub(crate) fn value(&self, uv: &[Point2<f64>]) -> f64 {
+        let of = |face: FaceId| self.triangles.value(face, &of_face(self.topology, uv, face));
+        let springs: f64 =
+            self.springs.iter().map(|s| s.weight * (uv[s.vertex.index()] - s.target).norm_squared()).sum();
+        self.of_blocks(|faces| faces.map(of).sum::<f64>()).into_iter().sum::<f64>() + springs
+    }
+
+    /// The first share of a motion at which a triangle collapses.
+    pub(crate) fn first_collapse(&self, uv: &[Point2<f64>], motion: &[Vector2<f64>]) -> f64 {
+        let of = |f| first_collapse(&of_face(self.topology, uv, f), &of_face(self.topology, motion, f));
+        self.of_blocks(|faces| faces.map(of).fold(f64::INFINITY, f64::min)).into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    fn of_blocks<R: Send>(&self, of: impl Fn(&mut dyn Iterator<Item = FaceId>) -> R + Sync + Send) -> Vec<R> {
+        let count = self.topology.face_count();
+        let of_block = |block: usize| of(&mut (block * BLOCK..count.min((block + 1) * BLOCK)).map(FaceId::new));
+        (0..count.div_ceil(BLOCK)).into_par_iter().map(of_block).collect()
+    }
+
+    fn derivatives(&self, uv: &[Point2<f64>], faces: std::ops::Range<usize>) -> Vec<Derivatives> {
+        let of = |face: usize| {
+            let face = FaceId::new(face);
+            self.triangles.derivatives(face, &of_face(self.topology, uv, face))
+        };
+        faces.into_par_iter().with_min_len(BLOCK).map(of).collect()
+    }
+}
+
+/// The linear systems of a descent: analysed once.
+pub(crate) struct Directions {
+    system: FaceSystem<6>,
+}
+
+impl Directions {
+    /// The pinned vertices do not move.
+    pub(crate) fn new(
+        topology: &Topology,
+        pinned: &[VertexId],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
+        Ok(Self { system: FaceSystem::new(topology, pinned, checkpoint)? })
+    }
+
+    /// The Newton direction with the positive part of the second derivatives.
+    pub(crate) fn at(
+        &mut self,
+        terms: &Terms<'_>,
+        uv: &[Point2<f64>],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Direction, LinearError> {
+        let gradient = self.assemble(terms, uv, checkpoint)?;
+        let factors = self.system.factorise(checkpoint)?;
+        let unknown = |v: VertexId| self.system.numbering.unknown(v);
+        let mut rhs = vec![0.0; self.system.matrix.size()];
+        for (v, slope) in terms.topology.vertices().zip(&gradient) {
+            if let Some(u) = unknown(v) {
+                (0..2).for_each(|axis| rhs[2 * u + axis] = -slope[axis]);
+            }
+        }
+        let linear = factors.solve_asking(&self.system.matrix, &mut rhs, REFINEMENT, checkpoint)?;
+        let motion_of = |v| unknown(v).map_or(Vector2::zeros(), |u| Vector2::new(rhs[2 * u], rhs[2 * u + 1]));
+        let motion: Vec<Vector2<f64>> = terms.topology.vertices().map(motion_of).collect();
+        let slope = gradient.iter().zip(&motion).map(|(g, d)| g.dot(d)).sum();
+        Ok(Direction { motion, slope, linear })
+    }
+
+    /// Fills the matrix, face by face in their order; returns the gradient.
+    fn assemble(
+        &mut self,
+        terms: &Terms<'_>,
+        uv: &[Point2<f64>],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Vec<Vector2<f64>>, Cancelled> {
+        let topology = terms.topology;
+        let mut gradient = vec![Vector2::zeros(); uv.len()];
+        self.system.clear();
+        for begin in (0..topology.face_count()).step_by(BLOCKS_AT_ONCE * BLOCK) {
+            checkpoint()?;
+            let faces = begin..topology.face_count().min(begin + BLOCKS_AT_ONCE * BLOCK);
+            for (face, of) in faces.clone().zip(terms.derivatives(uv, faces)) {
+                let vertices = topology.face_vertices(FaceId::new(face));
+                for (v, slope) in vertices.iter().zip(of.gradient.chunks_exact(2)) {
+                    gradient[v.index()] += Vector2::new(slope[0], slope[1]);
+                }
+                self.system.add(face, &of.hessian);
+            }
+        }
+        for spring in terms.springs {
+            gradient[spring.vertex.index()] += (uv[spring.vertex.index()] - spring.target) * (2.0 * spring.weight);
+            self.system.add_to_diagonal(spring.vertex, 2.0 * spring.weight);
+        }
+        Ok(gradient)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::relax::energy::{Isometric, SymmetricDirichlet};
+    use crate::relax::rest::rest_shapes;
+    use crate::tutte;
+    use abf_shapes::Shape;
+
+    #[test]
+    fn the_slope_of_a_direction_is_what_the_cost_does_along_it() {
+        let mesh = Shape::BumpySheet.mesh(300);
+        let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
+        let uv = tutte(&mesh, &topology).expect("an embedding").uv;
+        let rest = rest_shapes(&mesh);
+        let springs = [Spring { vertex: VertexId::new(5), target: Point2::new(0.3, 0.4), weight: 2.0 }];
+        let energy = Isometric { density: &SymmetricDirichlet, rest: &rest };
+        let terms = Terms { topology: &topology, triangles: &energy, springs: &springs };
+        let mut directions = Directions::new(&topology, &[], &mut || Ok(())).expect("a pattern");
+        let direction = directions.at(&terms, &uv, &mut || Ok(())).expect("a direction");
+        let along = |s: f64| -> f64 {
+            terms.value(&uv.iter().zip(&direction.motion).map(|(p, d)| p + d * s).collect::<Vec<_>>())
+        };
+        let h = 1e-6 * terms.first_collapse(&uv, &direction.motion).min(1.0);
+        let slope = (along(h) - along(-h)) / (2.0 * h);
+        assert!(direction.slope < 0.0 && (slope - direction.slope).abs() < 1e-5 * slope.abs(), "{slope}");
+    }
+}
