@@ -2,8 +2,8 @@
 
 use abf::mesh::TriMesh;
 use abf::{
-    Boundary, Energy, Event, FlattenError, Flattening, Observer, Pipeline, Relax, Silent, Stage, Termination, Unwrap,
-    Verdict,
+    Boundary, Energy, Event, FlattenError, Flattening, Observer, Pipeline, Relax, Silent, Stage, SurfaceHints,
+    Termination, Unwrap, Verdict,
 };
 use abf_shapes::Shape;
 
@@ -55,7 +55,10 @@ fn charts_are_relaxed_when_asked_and_need_no_more_cuts_for_it() {
     let mesh = Shape::SpikyField.mesh(1500);
     let charts = |relax: Option<Relax>| {
         let pipeline = Pipeline { relax, ..Pipeline::default() };
-        Unwrap { pipeline, cut_disks: true, ..Unwrap::default() }.run(&mesh, &mut Silent).expect("charts").charts
+        Unwrap { pipeline, cut_disks: true, ..Unwrap::default() }
+            .run(&mesh, &SurfaceHints::default(), &mut Silent)
+            .expect("charts")
+            .charts
     };
     let (free, relaxed) = (charts(None), charts(Some(Relax::default())));
     assert!(free.iter().all(|chart| chart.relaxed.is_none()));

@@ -127,6 +127,7 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Problem(ProblemError::Boundary(_)) => {
             (FailureKind::Boundary, "change --boundary, or the faces it names; --boundary convex asks for less")
         }
+        FlattenError::RelaxBoundary(_) => (FailureKind::Setting, "leave out --energy, or --boundary"),
         FlattenError::BoundarySolver(_) => (FailureKind::Setting, "take --solver auto, linabf or barrier"),
         FlattenError::BoundaryCharts(_) => {
             (FailureKind::Setting, "give it a disk, flattened without an atlas, or leave --boundary out")

@@ -291,7 +291,7 @@ mod tests {
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
         let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a problem");
         let solve = |energy, start: &[Point2<f64>]| {
-            let relax = Relax { energy, energy_tolerance: 1e-10, ..Relax::default() };
+            let relax = Relax { energy, ..Relax::default() };
             let drawing =
                 relax.solve(&mesh, &problem, start, &StopCriteria::default(), &mut Silent).expect("a drawing");
             assert_eq!(drawing.termination, Termination::Converged, "{energy}");
@@ -302,7 +302,7 @@ mod tests {
         let conformal = solve(Energy::Abf, &first).uv;
         for energy in [Energy::Isometric, Energy::USABLE] {
             let [one, other] = [&first, &conformal].map(|start| solve(energy, start).energy);
-            assert!((one - other).abs() < 1e-6 * one, "{energy}: {one} {other}");
+            assert!((one - other).abs() < 1e-5 * one, "{energy}: {one} {other}");
         }
     }
 
