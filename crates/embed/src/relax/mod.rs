@@ -9,6 +9,7 @@
 //! step (progressive parameterizations: Liu, Ye, Ni, Fu 2018).
 
 mod energy;
+mod linear;
 mod rest;
 mod run;
 mod terms;
@@ -19,10 +20,10 @@ use crate::place::{centred, check_start, pins, scaled_to};
 use crate::plane::not_counter_clockwise;
 use abf_constraints::AngleProblem;
 use abf_control::{IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
-use abf_linalg::LinearStats;
 use abf_mesh::{Point2, Topology, TriMesh};
 use energy::{AngleEnergy, Density, Isometric, Slider, SymmetricDirichlet};
 use rest::{RestShape, rest_shapes, within_reach};
+pub use run::RelaxStep;
 use run::{Outcome, Run};
 use std::fmt;
 use std::str::FromStr;
@@ -117,26 +118,6 @@ impl Default for Relax {
     fn default() -> Self {
         Self { energy: Energy::default(), energy_tolerance: 1e-6, max_steps: 400, barrier: 1e-3 }
     }
-}
-
-/// One step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct RelaxStep {
-    /// Counted from 1.
-    pub iteration: usize,
-    /// Whether it went for shapes within reach. Energy and slope are those of such shapes then.
-    pub is_progressive: bool,
-    /// The energy after it, with all that is asked of the drawing beside.
-    pub energy: f64,
-    /// What a full step promised, twice: the derivative of the energy along it; negative.
-    pub slope: f64,
-    /// The longest way of a vertex in a full step; the side of a square as large as the surface is 1.
-    pub step: f64,
-    /// The share of the full step that was taken; 0 when no share of it led anywhere.
-    pub step_length: f64,
-    /// Its linear solve.
-    pub linear: LinearStats,
 }
 
 /// A drawing in which every triangle is counter-clockwise, by an exact predicate.

@@ -1,6 +1,6 @@
 //! The shape that every triangle has on the surface, and shapes on the way to it.
 
-use super::energy::{Linear, Singular};
+use super::linear::{Linear, Singular};
 use crate::plane::of_face;
 use abf_mesh::{FaceId, Point2, Point3, Topology, TriMesh, Vector2};
 

@@ -1,10 +1,9 @@
 //! The steps of a relaxation.
 
-use super::RelaxStep;
 use super::terms::{Direction, Directions, Terms};
 use crate::plane::{angles, of_face};
 use abf_control::{Cancelled, IterationRecord, Termination, Watch};
-use abf_linalg::LinearError;
+use abf_linalg::{LinearError, LinearStats};
 use abf_mesh::{Point2, Topology, VertexId};
 use abf_parallel::prelude::*;
 use std::f64::consts::PI;
@@ -17,6 +16,26 @@ const WAY_TO_COLLAPSE: f64 = 0.9;
 const TRIALS: usize = 40;
 /// A surface of area 1 whose energy is below this is as it is in space, to the rounding of its points.
 const NOTHING_TO_GAIN: f64 = 1e-18;
+
+/// One step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RelaxStep {
+    /// Counted from 1.
+    pub iteration: usize,
+    /// Whether it went for shapes within reach. Energy and slope are those of such shapes then.
+    pub is_progressive: bool,
+    /// The energy after it, with all that is asked of the drawing beside.
+    pub energy: f64,
+    /// What a full step promised, twice: the derivative of the energy along it; negative.
+    pub slope: f64,
+    /// The longest way of a vertex in a full step; the side of a square as large as the surface is 1.
+    pub step: f64,
+    /// The share of the full step that was taken; 0 when no share of it led anywhere.
+    pub step_length: f64,
+    /// Its linear solve.
+    pub linear: LinearStats,
+}
 
 /// A drawing on its way.
 pub(crate) struct Run<'r> {
