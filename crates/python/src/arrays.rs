@@ -47,7 +47,7 @@ impl Given {
     }
 
     /// The mesh as the library takes arrays: positions, and the indices of every face.
-    pub(crate) fn flat(self) -> PyResult<(Vec<[f64; 3]>, Vec<[u32; 3]>)> {
+    pub(crate) fn flat(self) -> PyResult<Flat> {
         let triangles = self.triangles()?.into_iter().map(|face| face.map(|i| i as u32)).collect();
         Ok((self.positions, triangles))
     }
@@ -63,6 +63,9 @@ impl Given {
         Ok(self.faces.iter().map(|face| face.map(|i| i as usize)).collect())
     }
 }
+
+/// Positions, and the indices of every face.
+pub(crate) type Flat = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
 impl<'py, T: Element + Copy, const N: usize> FromPyObject<'_, 'py> for Rows<T, N> {
     type Error = PyErr;

@@ -183,7 +183,10 @@ impl Component<'_, '_> {
                     (false, false)
                 }
             };
-            let refined = if is_foreseen { foresight.refine(&surface, &mut || self.go_on())? } else { None };
+            // What is foreseen is the stretch of a conformal map.
+            let is_relaxed = self.settings.pipeline.relax.is_some();
+            let refined =
+                if is_foreseen && !is_relaxed { foresight.refine(&surface, &mut || self.go_on())? } else { None };
             // A closer look may tell that a map would miss the aim.
             let may_go_on = |l2: f64| l2 > self.settings.max_stretch && !is_stalled && !self.is_long(&surface);
             if let Some(stretch) = refined.filter(|stretch| may_go_on(stretch.l2))
@@ -201,8 +204,7 @@ impl Component<'_, '_> {
             self.go_on()?;
             let real = surface.real;
             let vertices = surface.mesh.vertex_count();
-            let is_foreseen = is_foreseen || self.settings.pipeline.relax.is_some();
-            let first_rung = if is_foreseen { self.first_rung(&chart, foresight)? } else { None };
+            let first_rung = if is_foreseen || is_relaxed { self.first_rung(&chart, foresight)? } else { None };
             let known = first_rung.map(|flat| (flat.uv.clone(), flat));
             let (quick, first_rung) = match known {
                 Some((uv, flat)) => (Ok(uv), Some(flat)),

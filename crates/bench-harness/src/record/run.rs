@@ -7,8 +7,7 @@ use crate::record::failure::chain;
 use abf::hierarchy::LevelReport;
 use abf::{
     BoundaryReport, Energy, Flattening, Hessian, HierarchyReport, LayoutKind, LayoutReport, Pipeline, PrecisionLimits,
-    RelaxReport,
-    RungReport, SolveReport, SolverKind, Termination, UnwrappedChart, WheelForm,
+    RelaxReport, RungReport, SolveReport, SolverKind, Termination, UnwrappedChart, WheelForm,
 };
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
