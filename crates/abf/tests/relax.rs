@@ -3,7 +3,7 @@
 use abf::mesh::TriMesh;
 use abf::{
     Boundary, Energy, Event, FlattenError, Flattening, Observer, Pipeline, Relax, Silent, Stage, SurfaceHints,
-    Termination, Unwrap, Verdict,
+    Termination, Unwrap, UnwrappedChart, Verdict,
 };
 use abf_shapes::Shape;
 
@@ -62,7 +62,7 @@ fn charts_are_relaxed_when_asked_and_need_no_more_cuts_for_it() {
     };
     let (free, relaxed) = (charts(None), charts(Some(Relax::default())));
     assert!(free.iter().all(|chart| chart.relaxed.is_none()));
-    assert!(relaxed.iter().any(|chart| chart.relaxed.is_some()) && relaxed.iter().all(|chart| chart.is_certified()));
+    assert!(relaxed.iter().any(|chart| chart.relaxed.is_some()) && relaxed.iter().all(UnwrappedChart::is_certified));
     assert!(relaxed.len() <= free.len(), "{} {}", relaxed.len(), free.len());
 }
 

@@ -105,7 +105,7 @@ impl Hierarchy {
 }
 
 /// What relaxing a map did: see [`abf::RelaxReport`]. Of several charts the largest energies, and all steps.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Relaxed {
     /// Which energy.
     #[serde(with = "text")]
@@ -368,7 +368,7 @@ impl Solved {
             precision_limits: None,
             boundary: None,
             hierarchy: None,
-            relaxed: joined(self.relaxed, other.relaxed.clone(), Relaxed::and),
+            relaxed: joined(self.relaxed, other.relaxed, Relaxed::and),
         }
     }
 }

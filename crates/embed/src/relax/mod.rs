@@ -264,6 +264,7 @@ mod tests {
     use crate::tutte;
     use abf_constraints::GuessSettings;
     use abf_control::Silent;
+    use abf_mesh::VertexId;
     use abf_shapes::Shape;
 
     #[test]
@@ -291,7 +292,7 @@ mod tests {
     fn a_surface_that_is_flat_already_comes_out_as_it_is() {
         let mesh = Shape::BumpySheet.mesh(200);
         let points = mesh.positions().iter().map(|p| abf_mesh::Point3::new(p.x, p.y, 0.0)).collect();
-        let faces: Vec<[usize; 3]> = mesh.faces().iter().map(|face| face.map(|v| v.index())).collect();
+        let faces: Vec<[usize; 3]> = mesh.faces().iter().map(|face| face.map(VertexId::index)).collect();
         let mesh = TriMesh::new(points, &faces).expect("indices in range");
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
         let problem = AngleProblem::new(&topology, mesh.corner_angles(), GuessSettings::default()).expect("a problem");

@@ -4,7 +4,7 @@ use super::terms::{Direction, Directions, Terms};
 use crate::plane::{angles, of_face};
 use abf_control::{Cancelled, IterationRecord, Termination, Watch};
 use abf_linalg::{LinearError, LinearStats};
-use abf_mesh::{Point2, Topology, VertexId};
+use abf_mesh::{Point2, Topology, Vector2, VertexId};
 use abf_parallel::prelude::*;
 use std::f64::consts::PI;
 
@@ -103,7 +103,7 @@ impl Run<'_> {
             is_progressive,
             energy,
             slope: direction.slope,
-            step: direction.motion.iter().map(|d| d.norm()).fold(0.0, f64::max) / self.unit,
+            step: direction.motion.iter().map(Vector2::norm).fold(0.0, f64::max) / self.unit,
             step_length,
             linear: direction.linear,
         };
