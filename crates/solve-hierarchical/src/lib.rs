@@ -44,7 +44,6 @@ const PER_TASK: usize = 1 << 12;
 )]
 #[strum(parse_err_ty = UnknownName, parse_err_fn = unknown)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
 pub enum HierarchicalMethod {
     /// The drawing of the coarse mesh, carried back, is the result.
     #[default]

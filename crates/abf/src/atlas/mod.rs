@@ -1,5 +1,6 @@
 //! From charts to an atlas: packed by their shape, at one scale, with a margin.
 
+mod error;
 pub(crate) mod judge;
 mod outline;
 mod parting;
@@ -10,7 +11,7 @@ mod stored;
 use crate::unwrap::{Unwrapped, UnwrappedChart};
 use abf_control::{SettingError, UnknownName};
 use abf_mesh::{FaceId, Point2, TriMesh, UvId, UvMap};
-use abf_metrics::{Metrics, MetricsError, Precision};
+use abf_metrics::{Metrics, Precision};
 use abf_pack::{Effort, PackError, PackSettings, Packing, Piece};
 use abf_parallel::prelude::*;
 use judge::Judge;
@@ -74,39 +75,6 @@ pub enum AtlasPages {
     PerComponent,
     /// Those of one material: of the one most of their faces have.
     PerMaterial,
-}
-
-/// Why charts cannot be packed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum AtlasError {
-    /// A setting outside its range.
-    #[error(transparent)]
-    Setting(#[from] SettingError),
-    /// Pages per material without materials.
-    #[error("pages per material need a material for each of the {faces} faces, and there are {given}")]
-    Labels {
-        /// How many faces there are.
-        faces: usize,
-        /// How many labels were given.
-        given: usize,
-    },
-    /// Even at one texel each the charts do not fit.
-    #[error("{charts} charts with {margin} texels between them do not fit into {} × {} texels", page[0], page[1])]
-    TooManyCharts {
-        /// How many on the fullest page.
-        charts: usize,
-        /// The margin asked for.
-        margin: u32,
-        /// The page asked for.
-        page: [u32; 2],
-    },
-    /// Charts that do not fit at the scale that was given, and settings of the packer.
-    #[error(transparent)]
-    Pack(PackError),
-    /// The packed UVs cannot be judged.
-    #[error(transparent)]
-    Metrics(#[from] MetricsError),
 }
 
 /// Charts in the unit squares of their pages.
@@ -184,6 +152,7 @@ impl From<abf_pack::Placement> for Placement {
     }
 }
 
+pub use error::AtlasError;
 pub use parting::{Parted, Parting};
 pub use repack::{Repack, Repacked};
 pub use stored::Stored;

@@ -24,7 +24,7 @@ impl Task<'_> {
         let Given { mesh, problem, pipeline, .. } = self.given;
         let solver: Arc<dyn AngleSolver> = match hierarchical.method {
             HierarchicalMethod::HLinAbf => Arc::new(LinAbf::default()),
-            _ => Arc::new(AbfNewton::abf_plus_plus()),
+            HierarchicalMethod::HabfPlusPlus => Arc::new(AbfNewton::abf_plus_plus()),
         };
         let layout = &mut |mesh: &TriMesh, topology: &Topology, angles: &[f64], checkpoint: &mut Checkpoint<'_>| {
             valid_drawing(mesh, topology, angles, &pipeline.layout, checkpoint)

@@ -6,6 +6,7 @@ mod memory;
 mod pipeline;
 mod solver;
 mod solver_kind;
+mod solver_parts;
 mod solver_settings;
 mod zero_area;
 
@@ -16,5 +17,6 @@ pub(crate) use solver::Method;
 // The solvers and their settings: a new one is named in solver.rs alone.
 pub use solver::*;
 pub use solver_kind::SolverKind;
+pub use solver_parts::SolverParts;
 pub use solver_settings::{SolverSettings, VoidSetting};
 pub use zero_area::ZeroArea;

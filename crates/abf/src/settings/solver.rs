@@ -1,7 +1,7 @@
 //! A solver with its settings: one value.
 
 use crate::settings::growth::Growth;
-use crate::settings::{Ladder, SolverKind};
+use crate::settings::{Ladder, SolverKind, SolverParts};
 use abf_constraints::WheelForm;
 use abf_control::UnknownName;
 use abf_solve_abf_newton::Inner;
@@ -123,7 +123,7 @@ impl Solver {
             Self::Hierarchical(hierarchical) => match hierarchical.method {
                 HierarchicalMethod::HLinAbf => SolverKind::HLinAbf,
                 // The only other one.
-                _ => SolverKind::HabfPlusPlus,
+                HierarchicalMethod::HabfPlusPlus => SolverKind::HabfPlusPlus,
             },
             Self::Lscm => SolverKind::Lscm,
             Self::Custom(solver) => SolverKind::Custom(solver.name()),
@@ -273,7 +273,7 @@ impl Solver {
             // A mesh that cannot be solved by levels is solved as a whole.
             Self::Hierarchical(hierarchical) => match hierarchical.method {
                 HierarchicalMethod::HLinAbf => Growth::FROZEN,
-                _ => Growth::DIRECT,
+                HierarchicalMethod::HabfPlusPlus => Growth::DIRECT,
             },
             Self::Descent(_) | Self::Auto(_) => Growth::DESCENT,
         }
@@ -283,22 +283,6 @@ impl Solver {
 #[cfg(feature = "serde")]
 fn name_of_custom<S: serde::Serializer>(solver: &Arc<dyn AngleSolver>, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(solver.name())
-}
-
-/// The settings of a [`Solver`] by what they are about; `None` where it has none such.
-#[derive(Debug, Default)]
-#[non_exhaustive]
-pub struct SolverParts<'s> {
-    /// The passes of LinABF.
-    pub linabf: Option<&'s mut LinAbf>,
-    /// The point of the grid. The ladder keeps its own.
-    pub newton: Option<&'s mut NewtonSettings>,
-    /// The inner method of Uzawa and MINRES.
-    pub iterative: Option<&'s mut IterativeSettings>,
-    /// The interior point method.
-    pub barrier: Option<&'s mut Barrier>,
-    /// The descent.
-    pub descent: Option<&'s mut Descent>,
 }
 
 impl SolverKind {

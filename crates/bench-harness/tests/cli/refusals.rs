@@ -170,7 +170,7 @@ fn outputs_that_make_no_sense_are_refused_before_any_file_is_read() {
     assert_usage_error(&run_on("--json a.png --png a.png", &[&mesh]), "the same file");
     assert_usage_error(&run_on("--json a --history a", &[&mesh]), "the same file");
     for option in ["-o out.obj", "--png out.png"] {
-        assert_usage_error(&run_on(&format!("--solver all {option}"), &[&mesh]), "takes one solver, and there are 11");
+        assert_usage_error(&run_on(&format!("--solver all {option}"), &[&mesh]), "takes one solver, and there are 13");
     }
     assert_eq!(std::fs::read_to_string(&mesh).expect("still there"), surfaces::pyramid());
 }

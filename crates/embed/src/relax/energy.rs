@@ -27,6 +27,16 @@ pub(crate) trait TriangleEnergy: Sync {
 
     /// The first derivatives of that term and the positive part of the second.
     fn derivatives(&self, face: FaceId, points: &[Point2<f64>; 3]) -> Derivatives;
+
+    /// The same term without its barrier, where it has one.
+    fn without_barrier(&self, face: FaceId, points: &[Point2<f64>; 3]) -> f64 {
+        self.value(face, points)
+    }
+
+    /// The size of the barrier of a face, whose value may have any sign; 0 where there is none.
+    fn barrier_size(&self) -> f64 {
+        0.0
+    }
 }
 
 /// Derivatives by the coordinates `(x₀, y₀, x₁, y₁, x₂, y₂)` of a triangle.
@@ -245,6 +255,14 @@ impl TriangleEnergy for AngleEnergy<'_, '_> {
         };
         let value: f64 = face.corners().into_iter().zip(angles(points)).map(of_corner).sum();
         if value.is_nan() { f64::INFINITY } else { value }
+    }
+
+    fn without_barrier(&self, face: FaceId, points: &[Point2<f64>; 3]) -> f64 {
+        face.corners().into_iter().zip(angles(points)).map(|(c, x)| self.objective.corner_energy(c.index(), x)).sum()
+    }
+
+    fn barrier_size(&self) -> f64 {
+        3.0 * self.objective.barrier
     }
 
     fn derivatives(&self, face: FaceId, points: &[Point2<f64>; 3]) -> Derivatives {

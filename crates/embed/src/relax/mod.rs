@@ -106,7 +106,8 @@ impl FromStr for Energy {
 pub struct Relax {
     /// What is to be little.
     pub energy: Energy,
-    /// Converged means that a full step promises to lower the energy by no more than half of this share of it.
+    /// Converged means that a full step promises to lower the energy by no more than half of this share of it; beside
+    /// [`Energy::Abf`] the weight of the barrier counts for every angle.
     pub energy_tolerance: f64,
     /// At most so many steps, progressive ones included.
     pub max_steps: usize,
@@ -128,7 +129,7 @@ pub struct RelaxedDrawing {
     pub uv: Vec<Point2<f64>>,
     /// How it ended. [`Termination::Stalled`]: no step led anywhere.
     pub termination: Termination,
-    /// The energy of the start, at the scale at which it is least.
+    /// The energy of the start, at the scale at which it is least; without the barrier, here and below.
     pub energy_before: f64,
     /// The energy at the end, at the scale of the last step.
     pub energy: f64,
@@ -191,12 +192,12 @@ impl Relax {
             Energy::Abf => Terms { topology, triangles: &angle_energy, springs: &[] },
             Energy::Isometric | Energy::Slider(_) => Terms { topology, triangles: &isometric, springs: &[] },
         };
-        let energy_before = terms.value(&run.uv);
+        let energy_before = terms.without_barrier(&run.uv);
         if self.energy != Energy::Abf {
             approach(&mut run, density, &rest, &mut watch)?;
         }
         let termination = run.descend(&terms, &mut watch)?;
-        let energy = terms.value(&run.uv);
+        let energy = terms.without_barrier(&run.uv);
         let (uv, area_matched) = scaled_to(topology, run.uv, mesh.area());
         Ok(RelaxedDrawing {
             uv,
@@ -277,6 +278,7 @@ mod tests {
             let drawing =
                 relax.solve(&mesh, &problem, start, &StopCriteria::default(), &mut Silent).expect("a drawing");
             assert_eq!(drawing.termination, Termination::Converged, "{energy}");
+            assert!(drawing.energy > 0.0 && drawing.energy < drawing.energy_before, "{energy}");
             assert_eq!(not_counter_clockwise(&topology, &drawing.uv), None);
             drawing
         };

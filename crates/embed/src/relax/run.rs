@@ -95,7 +95,7 @@ impl Run<'_> {
             Err(LinearError::Cancelled(cancelled)) => return Err(cancelled),
             Err(_) => return Ok(Outcome::Stuck),
         };
-        let is_last = -direction.slope <= self.tolerance * before + NOTHING_TO_GAIN;
+        let is_last = -direction.slope <= self.tolerance * terms.size(&self.uv, before) + NOTHING_TO_GAIN;
         let found = self.search(terms, &direction, before, watch)?;
         let (energy, step_length) = found.as_ref().map_or((before, 0.0), |found| (found.value, found.share));
         let step = RelaxStep {

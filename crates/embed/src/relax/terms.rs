@@ -47,9 +47,28 @@ impl Terms<'_> {
     /// The cost; infinite where a triangle is not counter-clockwise.
     pub(crate) fn value(&self, uv: &[Point2<f64>]) -> f64 {
         let of = |face: FaceId| self.triangles.value(face, &of_face(self.topology, uv, face));
-        let springs: f64 =
-            self.springs.iter().map(|s| s.weight * (uv[s.vertex.index()] - s.target).norm_squared()).sum();
-        self.of_blocks(|faces| faces.map(of).sum::<f64>()).into_iter().sum::<f64>() + springs
+        self.of_blocks(|faces| faces.map(of).sum::<f64>()).into_iter().sum::<f64>() + self.of_springs(uv)
+    }
+
+    /// The cost without the barriers of triangles.
+    pub(crate) fn without_barrier(&self, uv: &[Point2<f64>]) -> f64 {
+        if self.triangles.barrier_size() == 0.0 {
+            return self.value(uv);
+        }
+        let of = |face: FaceId| self.triangles.without_barrier(face, &of_face(self.topology, uv, face));
+        self.of_blocks(|faces| faces.map(of).sum::<f64>()).into_iter().sum::<f64>() + self.of_springs(uv)
+    }
+
+    /// The size of what the cost is made of, without the cancellation between its parts: what a decrease is small against.
+    pub(crate) fn size(&self, uv: &[Point2<f64>], value: f64) -> f64 {
+        match self.triangles.barrier_size() {
+            0.0 => value,
+            barrier => self.without_barrier(uv) + barrier * self.topology.face_count() as f64,
+        }
+    }
+
+    fn of_springs(&self, uv: &[Point2<f64>]) -> f64 {
+        self.springs.iter().map(|s| s.weight * (uv[s.vertex.index()] - s.target).norm_squared()).sum()
     }
 
     /// The first share of a motion at which a triangle collapses.

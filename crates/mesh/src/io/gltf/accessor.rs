@@ -6,6 +6,9 @@ use super::super::error::ReadError;
 use super::GltfDocument;
 use super::json::Item;
 
+/// The name of the accessors of UVs that [`GltfDocument::set_uvs`] wrote last. A name changes nothing for other programs.
+pub(super) const OWN: &str = "abf UVs";
+
 /// The type of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Component {

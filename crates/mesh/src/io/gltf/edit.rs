@@ -9,15 +9,12 @@ use serde_json::{Value, json};
 use super::super::WriteError;
 use super::super::blocks::check_finite;
 use super::super::{ReadError, ReadNotes};
-use super::accessor::Component;
+use super::accessor::{Component, OWN};
 use super::append::{Appended, object};
 use super::json::{Item, Object, whole};
 use super::surface::{Found, TRIANGLES, check_count};
 use super::{GltfDocument, GltfPrimitive};
 use crate::{Point2, UvMap};
-
-/// The name of the accessors of UVs that [`GltfDocument::set_uvs`] wrote last. A name changes nothing for other programs.
-pub(super) const OWN: &str = "abf UVs";
 
 /// Where new UVs go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
