@@ -122,7 +122,6 @@ impl Solver {
             Self::Descent(_) => SolverKind::Descent,
             Self::Hierarchical(hierarchical) => match hierarchical.method {
                 HierarchicalMethod::HLinAbf => SolverKind::HLinAbf,
-                // The only other one.
                 HierarchicalMethod::HabfPlusPlus => SolverKind::HabfPlusPlus,
             },
             Self::Lscm => SolverKind::Lscm,
