@@ -304,7 +304,10 @@ impl ArrayUnwrapper {
                 let known = (hints.face_labels, hints.forbidden);
                 let mut verdict = Verdict::Continue;
                 let mut may_go_on = || {
-                    verdict = observer.observe(Event::Working);
+                    // The first answer that is no leave to go on holds.
+                    if matches!(verdict, Verdict::Continue) {
+                        verdict = observer.observe(Event::Working);
+                    }
                     matches!(verdict, Verdict::Continue)
                 };
                 let how: (_, &mut dyn FnMut() -> bool) = (parting, &mut may_go_on);

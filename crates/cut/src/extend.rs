@@ -45,7 +45,9 @@ impl SeamWays {
         for [a, b] in bridges.iter().map(|&c| labels_at(c)) {
             joined.unite(a, b);
         }
-        let mut cut = Vec::new();
+        // What the seam reaches at no cost has no label of its own, and is joined by the way that it has.
+        let at_no_cost = terminals.iter().filter(|&&v| self.tree.distance(v) == 0.0);
+        let mut cut: Vec<_> = at_no_cost.flat_map(|&v| self.tree.trace(topology, v)).collect();
         for edge in bridges {
             if joined.find(labels_at(edge)[0]) == joined.find(0) {
                 cut.push(edge);

@@ -86,10 +86,12 @@ impl Hierarchy {
             let below = &self.levels[level];
             let above = level.checked_sub(1).map(|level| &self.levels[level]);
             let mut report = LevelReport::default();
+            let mut triangles = below.faces.len();
             for round in (above.map_or(0, |above| above.rounds)..below.rounds).rev() {
-                let triangles = below.faces.len() + 2 * report.inserted;
                 report.moved += self.put_back(round, triangles, mesh, uv, checkpoint)?;
                 report.inserted += self.round(round).len();
+                triangles +=
+                    self.removals[self.round(round)].iter().map(|r| 1 + usize::from(r.is_closed)).sum::<usize>();
             }
             report.triangles = above.map_or(mesh.face_count(), |above| above.faces.len());
             if report.inserted > 0 {

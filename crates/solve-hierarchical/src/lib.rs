@@ -174,7 +174,7 @@ impl Hierarchical {
     /// Solves one problem, of `mesh`. Same input, same bits.
     ///
     /// The stopping criteria are those of the coarse solver and of the passes on the fine mesh, and the time limit is that of
-    /// all together. An observer that stops it has the drawing that there is carried to the fine mesh.
+    /// all together; it does not cut coarsening and the way back short. An observer that stops it has the drawing that there is carried to the fine mesh.
     ///
     /// # Errors
     /// [`SolveError`] when a setting is out of range, the observer aborts, or the coarse solver, in place of a hierarchy,

@@ -9,7 +9,7 @@ mod relax;
 mod task;
 mod thin;
 
-use crate::settings::{Method, Pipeline, Solver, SolverKind, ZeroArea, predict_memory};
+use crate::settings::{Descent, Method, Pipeline, Solver, SolverKind, ZeroArea, predict_memory};
 use crate::{FlattenError, Flattening};
 use abf_constraints::{AngleProblem, BoundaryError, GuessSettings, ProblemError};
 use abf_control::{Event, Observer, Silent, Stage, TimeBudget, ask};
@@ -175,6 +175,10 @@ impl Pipeline {
     /// Whether the solver keeps within the limit; of the ladder its first rung, for the others are checked when it is
     /// their turn.
     pub(crate) fn check_memory(&self, mesh: &TriMesh) -> Result<(), FlattenError> {
+        if self.relax.is_some() {
+            // It has the matrices of the descent.
+            check_memory(&Descent::default().into(), self.solver.kind(), self.max_memory, mesh)?;
+        }
         match &self.solver {
             // Rows of the boundary are solved for with a factorisation of the whole system.
             Solver::Auto(_) | Solver::LinAbf(_) if !self.boundary.is_free() => {

@@ -28,6 +28,10 @@ pub(super) fn relaxed(
     let task = Task::new(given, flat.solver, Single::SurfaceAngles);
     let candidates = task.placements(&drawing.uv, drawing.area_matched);
     let (placed, pinned, scaled) = task.first_valid(candidates, observer)?;
+    // The digits that are stored may not hold the relaxed map.
+    if flat.certificate.valid() && !placed.certificate.valid() {
+        return Ok(flat);
+    }
     let residual = flat.certificate.constraint_residual;
     let (uv, mut certificate) = (placed.uv, placed.certificate);
     certificate.constraint_residual = residual;

@@ -27,8 +27,10 @@ const MOST_CURVED: f64 = 1.5 * PI;
 impl Component<'_, '_> {
     /// Flattens a piece, or finds that it has to be parted.
     pub(super) fn attempt(&self, piece: &Chart) -> Result<Attempt, FlattenError> {
-        // What lies in a plane has a place there already.
-        if let Some(flat) = self.laid_flat(piece)? {
+        // What lies in a plane has a place there already; holes that are to be joined are cut first.
+        let may_stay = self.settings.holes != HoleRule::Cut || piece.topology.boundary_loops().len() <= 1;
+        let laid_flat = if may_stay { self.laid_flat(piece)? } else { None };
+        if let Some(flat) = laid_flat {
             return Ok(Attempt::Done(vec![flat], Vec::new()));
         }
         let is_disk = piece.topology.require_disk().is_ok();

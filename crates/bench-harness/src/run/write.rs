@@ -102,7 +102,10 @@ fn to_gltf(path: &Path, mesh: &TriMesh, uv: &UvMap, judging: Option<Judging>) ->
         let judging = Judging { precision: Precision::Single, ..judging };
         // Where no triangle is left there is nothing to judge, and all of them are lost.
         let judged = surface.uv.map(|uv| judging.judged(&surface.mesh, Some(&objects), &uv));
-        kept.quality = judged.and_then(Result::ok);
+        match judged.transpose() {
+            Ok(quality) => kept.quality = quality,
+            Err(error) => kept.notes.push(format!("the file could not be judged as it was written: {error}")),
+        }
     }
     Ok(kept)
 }

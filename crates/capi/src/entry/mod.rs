@@ -43,7 +43,7 @@ pub unsafe extern "C" fn abf_flatten(
             let (positions, indices) = mesh((positions, vertex_count, size_of::<[f64; 3]>()), (indices, index_count))?;
             let count = options.boundary_count;
             check_count(count, size_of::<f64>(), "boundary_count")?;
-            let vertices = array_if(options.boundary_vertices, count, "boundary_vertices")?.unwrap_or_default();
+            let vertices = array(options.boundary_vertices, count, "boundary_vertices")?;
             let angles = array(options.boundary_angles, vertices.len(), "boundary_angles")?;
             settings.ask_of_boundary(vertices, angles)?;
             run::flatten(positions.as_chunks().0, indices, &settings, &mut |event| host.tell(event))
@@ -239,9 +239,9 @@ unsafe fn known<'a>(options: &AbfOptions, index_count: usize) -> Result<Known<'a
     // SAFETY: they are as long as the caller says, and their sizes were checked.
     unsafe {
         Ok(Known {
-            seams: array_if(options.seam_vertices, 2 * options.seam_count, "seam_vertices")?
+            seams: counted(options.seam_vertices, 2 * options.seam_count, "seam_vertices")?
                 .map(|all| all.as_chunks().0),
-            uv: array_if(options.uv, 2 * options.uv_count, "uv")?.map(|all| all.as_chunks().0),
+            uv: counted(options.uv, 2 * options.uv_count, "uv")?.map(|all| all.as_chunks().0),
             uv_indices: array_if(options.uv_indices, index_count, "uv_indices")?,
             materials: array_if(options.materials, triangles, "materials")?,
             objects: array_if(options.objects, triangles, "objects")?,
@@ -253,6 +253,12 @@ unsafe fn known<'a>(options: &AbfOptions, index_count: usize) -> Result<Known<'a
 unsafe fn name(text: *const c_char) -> Option<String> {
     // SAFETY: it ends with a zero.
     (!text.is_null()).then(|| unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned())
+}
+
+/// An array with a count of its own, which need not be there where the count is 0.
+unsafe fn counted<'a, T>(start: *const T, count: usize, what: &str) -> Result<Option<&'a [T]>, Failure> {
+    // SAFETY: as for `array`.
+    if start.is_null() && count == 0 { Ok(None) } else { unsafe { array(start, count, what) }.map(Some) }
 }
 
 /// An array that need not be there.

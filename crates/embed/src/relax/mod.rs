@@ -109,7 +109,7 @@ pub struct Relax {
     /// Converged means that a full step promises to lower the energy by no more than half of this share of it; beside
     /// [`Energy::Abf`] the weight of the barrier counts for every angle.
     pub energy_tolerance: f64,
-    /// At most so many steps, progressive ones included.
+    /// At most so many steps, progressive ones included, of which there are at most 140.
     pub max_steps: usize,
     /// The weight of the barrier beside [`Energy::Abf`], as [`Descent::barrier_floor`](crate::Descent::barrier_floor).
     pub barrier: f64,
@@ -244,7 +244,10 @@ fn approach(
             return Ok(());
         }
         let triangles = &Isometric { density, rest: &reached };
-        if run.step(&Terms { topology, triangles, springs: &[] }, true, watch)? == Outcome::Stuck {
+        let outcome = run.step(&Terms { topology, triangles, springs: &[] }, true, watch)?;
+        // The same step would be found again.
+        let has_moved = run.steps.last().is_some_and(|step| step.step_length > 0.0);
+        if outcome == Outcome::Stuck || !has_moved {
             return Ok(());
         }
     }

@@ -167,7 +167,7 @@ impl Atlas {
                 parted.for_margin += cuts;
             }
             if !may_go_on() {
-                parted.is_unfinished = !parted.packed.narrow.is_empty();
+                parted.is_unfinished |= !parted.packed.narrow.is_empty();
                 return Ok(());
             }
             if cuts == 0 {
