@@ -3,7 +3,7 @@
 use crate::settings::SolverKind;
 use abf_constraints::ProblemError;
 use abf_control::Cancelled;
-use abf_embed::EmbedError;
+use abf_embed::{EmbedError, PinError};
 use abf_mesh::{DiskError, GeometryError, TopologyError};
 use abf_metrics::MetricsError;
 use abf_reconstruct::{LayoutError, LayoutKind};
@@ -45,6 +45,12 @@ pub enum FlattenError {
     /// The map could not be relaxed.
     #[error("the map could not be relaxed")]
     Relax(#[source] EmbedError),
+    /// Pins that no map of the mesh can have.
+    #[error("the pins do not fit the mesh")]
+    Pins(#[source] PinError),
+    /// Pins say where the map is.
+    #[error("pins do not go with {0}")]
+    PinsElsewhere(&'static str),
     /// Relaxing moves the boundary.
     #[error("relaxing to the energy '{0}' moves the boundary: it does not keep a boundary rule")]
     RelaxBoundary(String),

@@ -3,7 +3,7 @@
 use crate::{FlattenError, PrecisionLimits, SolverKind};
 use abf_constraints::KktCounts;
 use abf_control::Termination;
-use abf_embed::Energy;
+use abf_embed::{Energy, PinResidual};
 use abf_mesh::{TriMesh, UvMap};
 use abf_metrics::{Certificate, Metrics, MetricsError, measure_certified};
 use abf_reconstruct::LayoutKind;
@@ -43,6 +43,8 @@ pub struct Flattening {
     pub hierarchy: Option<HierarchyReport>,
     /// What relaxing did; `None` where it was not asked for, or there was no map or no time for it.
     pub relaxed: Option<RelaxReport>,
+    /// What became of pins; `None` where there are none, or there was no map or no time for them.
+    pub pinned: Option<PinReport>,
     /// Every solver that was tried, in order, by [`SolverKind::Auto`]; empty for the others.
     pub rungs: Vec<RungReport>,
 }
@@ -97,6 +99,20 @@ pub struct RelaxReport {
     pub progressive_steps: usize,
     /// Whether it started from Tutte's embedding, because the map of the solver is not valid.
     pub from_tutte: bool,
+}
+
+/// What became of pins.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct PinReport {
+    /// Which energy moved the other vertices.
+    pub energy: Energy,
+    /// What it is at the end, of a surface of area 1 in a map as large as the surface.
+    pub after: f64,
+    /// How many steps it took; none for a similarity.
+    pub steps: usize,
+    /// Of every pin, in their order, as the precision of the map holds its place. A hard one that is not in its place makes the map [`Termination::Stalled`].
+    pub residuals: Vec<PinResidual>,
 }
 
 /// What one solver of the ladder [`SolverKind::Auto`] came to.

@@ -52,7 +52,7 @@ pub use atlas::{
     Atlas, AtlasError, AtlasPages, NarrowPlace, Packed, Parted, Parting, Placement, Repack, Repacked, Stored,
 };
 pub use error::FlattenError;
-pub use flattening::{BoundaryReport, Flattening, HierarchyReport, LayoutReport, RelaxReport, RungReport};
+pub use flattening::{BoundaryReport, Flattening, HierarchyReport, LayoutReport, PinReport, RelaxReport, RungReport};
 pub use judge::{JudgeError, JudgeSettings, Judgement, judge};
 pub use pattern::{Developed, Laid, Orient, Pattern};
 pub use precision_limits::PrecisionLimits;
@@ -89,8 +89,8 @@ pub mod cut {
 /// Tutte's embedding, and what the descent from it and [`Relax`] do; these two are at the root of the crate.
 pub mod embed {
     pub use abf_embed::{
-        BoundarySpacing, DescentRecord, DescentSolution, EmbedError, RelaxStep, RelaxedDrawing, StepKind,
-        TutteEmbedding, TutteWeights, tutte, vertex_points,
+        BoundarySpacing, DescentRecord, DescentSolution, EmbedError, PinError, PinFault, PinResidual, PinnedDrawing,
+        RelaxStep, RelaxedDrawing, StepKind, TutteEmbedding, TutteWeights, tutte, vertex_points,
     };
 }
 

@@ -56,7 +56,9 @@ use abf_mesh::{DiskError, FaceId};
 pub use descend::{Descent, DescentRecord, DescentSolution};
 pub use line_search::StepKind;
 pub use place::vertex_points;
-pub use relax::{Energy, Relax, RelaxStep, RelaxedDrawing};
+pub use relax::{
+    Energy, Pin, PinError, PinFault, PinResidual, PinWeight, PinnedDrawing, Pins, Relax, RelaxStep, RelaxedDrawing,
+};
 pub use tutte::{BoundarySpacing, TutteEmbedding, TutteWeights, tutte};
 
 /// Why there is no embedding.
@@ -90,6 +92,9 @@ pub enum EmbedError {
         /// How many vertices there are.
         vertices: usize,
     },
+    /// Pins that no drawing of the mesh can have.
+    #[error(transparent)]
+    Pins(#[from] PinError),
     /// A setting outside its range.
     #[error(transparent)]
     Setting(#[from] SettingError),

@@ -53,6 +53,9 @@ impl Pipeline {
     }
 
     fn check_relax(&self) -> Result<(), FlattenError> {
+        if self.pins.is_some() && (self.normalize || !self.boundary.is_free()) {
+            return Err(FlattenError::PinsElsewhere(if self.normalize { "normalize" } else { "a boundary rule" }));
+        }
         let Some(relax) = &self.relax else { return Ok(()) };
         if !self.boundary.is_free() {
             return Err(FlattenError::RelaxBoundary(relax.energy.to_string()));

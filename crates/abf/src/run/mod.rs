@@ -13,6 +13,7 @@ use crate::settings::{Descent, Method, Pipeline, Solver, SolverKind, ZeroArea, p
 use crate::{FlattenError, Flattening};
 use abf_constraints::{AngleProblem, BoundaryError, GuessSettings, ProblemError};
 use abf_control::{Event, Observer, Silent, Stage, TimeBudget, ask};
+use abf_embed::Relax;
 use abf_mesh::{GeometryError, Topology, TriMesh};
 use abf_solve_linabf::{LinAbf, Passes};
 use ladder::climb;
@@ -107,6 +108,7 @@ impl Pipeline {
         ask(observer, Event::Working)?;
         let topology = topology?;
         let angles = angles?;
+        self.pins.as_ref().map_or(Ok(()), |pins| pins.check(&topology)).map_err(FlattenError::Pins)?;
         let pose = |initial_guess: GuessSettings, angles: Vec<f64>| {
             let problem = match shape {
                 Shape::Disk => AngleProblem::new(&topology, angles, initial_guess)?,
@@ -134,9 +136,18 @@ impl Pipeline {
             boundary::solve_bounded((pipeline, working), problem, &solve, observer)
         };
         let given = Given { pipeline: self, original: mesh, mesh: working, scale, problem: &problem };
-        let finish = |flat: Flattening, observer: &mut dyn Observer| match &self.relax {
-            None => Ok(flat),
-            Some(relax) => relax::relaxed(given, relax, flat, &budget.left(), observer),
+        let finish = |flat: Flattening, observer: &mut dyn Observer| {
+            // More pins than a similarity can meet are met from a map of little energy.
+            let more = self.pins.as_ref().filter(|pins| !pins.need_a_similarity_only());
+            let needed = more.map(|_| Relax::default());
+            let flat = match self.relax.as_ref().or(needed.as_ref()) {
+                None => flat,
+                Some(relax) => relax::relaxed(given, relax, flat, &budget.left(), observer)?,
+            };
+            match &self.pins {
+                None => Ok(flat),
+                Some(pins) => relax::pinned(given, pins, flat, &budget.left(), observer),
+            }
         };
         let flat = solve(&problem, self, observer);
         if problem.thin_corners() == 0 || !self.uses_the_initial_guess() || budget.is_spent() {

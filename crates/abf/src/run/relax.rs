@@ -1,10 +1,10 @@
 //! A map relaxed after the solver.
 
 use super::task::{Given, Single, Task};
-use crate::{FlattenError, Flattening, PrecisionLimits, RelaxReport};
+use crate::{FlattenError, Flattening, PinReport, PrecisionLimits, RelaxReport};
 use abf_control::{Event, Observer, Stage, StopCriteria, Termination, ask};
-use abf_embed::{Relax, tutte, vertex_points};
-use abf_mesh::Point2;
+use abf_embed::{EmbedError, Pin, PinResidual, Pins, Relax, tutte, vertex_points};
+use abf_mesh::{Point2, UvMap, VertexId};
 
 /// Relaxes the map of a solver if that is valid, else Tutte's embedding. One that was interrupted stays as it is, and so
 /// does one that is not valid where there is no such embedding.
@@ -19,10 +19,7 @@ pub(super) fn relaxed(
         return Ok(flat);
     }
     ask(observer, Event::StageStarted(Stage::Relax))?;
-    let own = upright(&given, &flat);
-    let from_tutte = own.is_none();
-    let embedding = || tutte(given.mesh, given.problem.topology()).ok().map(|embedding| embedding.uv);
-    let Some(start) = own.or_else(embedding) else { return Ok(flat) };
+    let Some((start, from_tutte)) = start(&given, &flat) else { return Ok(flat) };
     let drawing = relax.solve(given.mesh, given.problem, &start, stop, observer).map_err(FlattenError::of_relaxing)?;
     ask(observer, Event::StageStarted(Stage::Certificate))?;
     let task = Task::new(given, flat.solver, Single::SurfaceAngles);
@@ -52,6 +49,63 @@ pub(super) fn relaxed(
         relaxed: Some(report),
         ..flat
     })
+}
+
+/// Brings pins that fit the mesh to their places. A map that was interrupted stays as it is.
+pub(super) fn pinned(
+    given: Given<'_>,
+    pins: &Pins,
+    flat: Flattening,
+    stop: &StopCriteria,
+    observer: &mut dyn Observer,
+) -> Result<Flattening, FlattenError> {
+    if matches!(flat.termination, Termination::TimeLimit | Termination::Cancelled) {
+        return Ok(flat);
+    }
+    ask(observer, Event::StageStarted(Stage::Relax))?;
+    let relax = given.pipeline.relax.unwrap_or_default();
+    let Some((start, _)) = start(&given, &flat) else { return Ok(flat) };
+    // A power of two moves no bit.
+    let scaled = |pin: &Pin| Pin { uv: pin.uv.map(|x| x * given.scale), ..*pin };
+    let scaled = Pins { pins: pins.pins.iter().map(scaled).collect() };
+    let drawing = relax.solve_pinned(given.mesh, given.problem, &start, &scaled, stop, observer);
+    let drawing = drawing.map_err(|error| match error {
+        EmbedError::Pins(error) => FlattenError::Pins(error),
+        other => FlattenError::of_relaxing(other),
+    })?;
+    ask(observer, Event::StageStarted(Stage::Certificate))?;
+    let task = Task::new(given, flat.solver, Single::SurfaceAngles);
+    let placed = task.certified(UvMap::per_vertex(given.mesh, &drawing.uv), observer)?;
+    let (uv, mut certificate) = (placed.uv, placed.certificate);
+    certificate.constraint_residual = flat.certificate.constraint_residual;
+    let precision = given.pipeline.precision;
+    let residual = |(pin, residual): (&Pin, &PinResidual)| {
+        let at = given.problem.topology().fan_start(VertexId::new(pin.vertex as usize)).expect("a face, by the check");
+        let place = Point2::from(pin.uv.map(|x| precision.round(x)));
+        PinResidual { distance: (uv.corner(at) - place).norm(), ..*residual }
+    };
+    let report = PinReport {
+        energy: relax.energy,
+        after: drawing.energy,
+        steps: drawing.steps.len(),
+        residuals: pins.pins.iter().zip(&drawing.residuals).map(residual).collect(),
+    };
+    let is_unsolved = !flat.termination.is_as_asked() && drawing.steps.is_empty();
+    Ok(Flattening {
+        precision_limits: PrecisionLimits::of(&certificate, &[]),
+        uv,
+        certificate,
+        termination: if is_unsolved { flat.termination } else { drawing.termination },
+        layout: crate::LayoutReport { pinned: false, scaled: true, ..flat.layout },
+        pinned: Some(report),
+        ..flat
+    })
+}
+
+/// Where to start from: the map of the solver if it is valid, else Tutte's embedding, and whether it is that.
+fn start(given: &Given<'_>, flat: &Flattening) -> Option<(Vec<Point2<f64>>, bool)> {
+    let own = upright(given, flat).map(|points| (points, false));
+    own.or_else(|| Some((tutte(given.mesh, given.problem.topology()).ok()?.uv, true)))
 }
 
 /// The points of a valid map that is not mirrored, as large as the mesh that is worked on.

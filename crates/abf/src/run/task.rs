@@ -187,7 +187,7 @@ impl<'t> Task<'t> {
         Ok(first.expect("there is always the drawing as it is"))
     }
 
-    fn certified(&self, uv: UvMap, observer: &mut dyn Observer) -> Result<Certified, FlattenError> {
+    pub(super) fn certified(&self, uv: UvMap, observer: &mut dyn Observer) -> Result<Certified, FlattenError> {
         let precision = self.given.pipeline.precision;
         let scale = if self.given.pipeline.normalize { 1.0 } else { self.given.scale };
         let uv = uv.mapped(|p| p.map(|x| precision.round(x / scale)));
@@ -233,6 +233,7 @@ impl<'t> Task<'t> {
             solution,
             hierarchy: None,
             relaxed: None,
+            pinned: None,
             rungs: Vec::new(),
         }
     }

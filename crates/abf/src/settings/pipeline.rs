@@ -3,7 +3,7 @@
 use crate::settings::{Solver, ZeroArea};
 use abf_constraints::{Boundary, GuessSettings};
 use abf_control::StopCriteria;
-use abf_embed::Relax;
+use abf_embed::{Pins, Relax};
 use abf_metrics::Precision;
 use abf_reconstruct::LayoutSettings;
 
@@ -34,6 +34,11 @@ pub struct Pipeline {
     /// `None`: it stays as it is.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub relax: Option<Relax>,
+    /// Vertices that are to be in given places, after the solver and relaxing: one or two by a similarity, more by moving the
+    /// others with [`Pipeline::relax`], or with its default settings. Neither [`Unwrap`](crate::Unwrap), a rule for the
+    /// boundary nor [`Pipeline::normalize`] goes with them.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub pins: Option<Pins>,
     /// Scale the UVs into the unit square instead of giving them the area of the surface.
     pub normalize: bool,
     /// What the UVs will be stored in: they are rounded to it, and certified as that.

@@ -11,7 +11,7 @@ use std::num::NonZeroUsize;
 use std::str::FromStr;
 use std::sync::Arc;
 
-pub use abf_embed::{Descent, Energy, Relax};
+pub use abf_embed::{Descent, Energy, Pin, PinWeight, Pins, Relax};
 pub use abf_solve_abf_newton::{AbfNewton, NewtonMethod};
 pub use abf_solve_barrier::Barrier;
 pub use abf_solve_hierarchical::{Hierarchical, HierarchicalMethod};

@@ -369,6 +369,9 @@ impl Unwrap {
         if !self.pipeline.boundary.is_free() {
             return Err(FlattenError::BoundaryCharts(self.pipeline.boundary.to_string()).into());
         }
+        if self.pipeline.pins.is_some() {
+            return Err(FlattenError::PinsElsewhere("charts").into());
+        }
         Ok(self.pipeline.check()?)
     }
 }

@@ -10,8 +10,8 @@ use abf::embed::EmbedError;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
 use abf::{
-    Boundary, FlattenError, GuessSettings, LayoutSettings, LinAbf, Pipeline, Relax, Solver, SolverKind, SolverParts,
-    StopCriteria,
+    Boundary, FlattenError, GuessSettings, LayoutSettings, LinAbf, Pins, Pipeline, Relax, Solver, SolverKind,
+    SolverParts, StopCriteria,
 };
 use clap::error::ErrorKind;
 use std::fmt;
@@ -180,6 +180,7 @@ fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
         },
         layout: LayoutSettings { kind: args.layout, ..LayoutSettings::default() },
         relax: args.energy.map(|energy| Relax { energy, ..Relax::default() }),
+        pins: args.pins.as_deref().map(pins).transpose()?,
         normalize: args.normalize,
         max_memory: args.max_memory.map(|size| size.0),
         ..Pipeline::default()
@@ -197,6 +198,14 @@ fn boundary(rule: &BoundaryRule) -> Result<Boundary, clap::Error> {
     };
     let text = std::fs::read_to_string(path).map_err(|error| refused(&error))?;
     Boundary::read_angles(&text).map_err(|error| refused(&error))
+}
+
+/// Pins from a file.
+fn pins(path: &Path) -> Result<Pins, clap::Error> {
+    let refused =
+        |cause: &dyn fmt::Display| usage(ErrorKind::ValueValidation, format!("--pins: {}: {cause}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|error| refused(&error))?;
+    Pins::read(&text).map_err(|error| refused(&error))
 }
 
 fn seconds(limit: f64) -> Result<Duration, clap::Error> {
@@ -218,7 +227,7 @@ fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from).to_vec();
     let triangle = TriMesh::new(points, &[[0, 1, 2]]).expect("indices in range");
     // How little memory there is says nothing about the settings, and neither does a boundary that a triangle cannot have.
-    let tried = Pipeline { max_memory: None, boundary: Boundary::Free, ..pipeline.clone() };
+    let tried = Pipeline { max_memory: None, boundary: Boundary::Free, pins: None, ..pipeline.clone() };
     match pipeline.check().and_then(|()| tried.run(&triangle, &mut abf::Silent)) {
         Ok(_) => Ok(()),
         Err(FlattenError::Solve { source: error @ SolveError::Unsupported(_), .. }) => {
@@ -228,7 +237,8 @@ fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
             error @ (FlattenError::LscmLayout(_)
             | FlattenError::DescentLayout(_)
             | FlattenError::BoundarySolver(_)
-            | FlattenError::RelaxBoundary(_)),
+            | FlattenError::RelaxBoundary(_)
+            | FlattenError::PinsElsewhere(_)),
         ) => Err(Refusal::Combination(error.to_string())),
         Err(error) => Err(Refusal::Setting(out_of_range(pipeline, &error).unwrap_or_else(|| chain(&error)))),
     }

@@ -127,6 +127,11 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Problem(ProblemError::Boundary(_)) => {
             (FailureKind::Boundary, "change --boundary, or the faces it names; --boundary convex asks for less")
         }
+        FlattenError::Pins(_) => (FailureKind::Setting, "change those lines of the file of --pins"),
+        FlattenError::PinsElsewhere(_) => (
+            FailureKind::Setting,
+            "leave out --pins, --normalize or --boundary, and give it a disk, flattened without an atlas",
+        ),
         FlattenError::RelaxBoundary(_) => (FailureKind::Setting, "leave out --energy, or --boundary"),
         FlattenError::BoundarySolver(_) => (FailureKind::Setting, "take --solver auto, linabf or barrier"),
         FlattenError::BoundaryCharts(_) => {

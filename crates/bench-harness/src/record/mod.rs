@@ -15,6 +15,7 @@ pub(crate) mod misread;
 mod not_run;
 pub(crate) mod number;
 mod outcome;
+mod pins;
 mod quality;
 #[cfg(test)]
 mod reads_back;
@@ -34,6 +35,7 @@ pub(crate) use head::{Head, Machine, Program};
 pub(crate) use json::{Document, SCHEMA, pretty, to_json};
 pub(crate) use not_run::NotRun;
 pub(crate) use outcome::Outcome;
+pub(crate) use pins::Pinned;
 pub(crate) use quality::Quality;
 pub(crate) use repacked::Repacked;
 pub(crate) use result::Record;

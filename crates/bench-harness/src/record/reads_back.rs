@@ -9,6 +9,7 @@ use super::json::{Document, SCHEMA, pretty};
 use super::kind::{FailureKind, NotRunKind, Refused};
 use super::location::Location;
 use super::not_run::NotRun;
+use super::pins::{PinDistance, Pinned};
 use super::quality::Quality;
 use super::repacked::Repacked;
 use super::result::Record;
@@ -191,6 +192,17 @@ impl Dice {
             }),
             hierarchy: self
                 .maybe(|dice| Hierarchy { levels: dice.some(Self::level), fallback: dice.maybe(Self::text) }),
+            pins: self.maybe(|dice| Pinned {
+                energy: dice.one_of(&[Energy::Isometric, Energy::USABLE]),
+                after: dice.figure(),
+                steps: dice.count(),
+                missed: dice.count(),
+                residuals: dice.some(|dice| PinDistance {
+                    vertex: dice.count() as u32,
+                    hard: dice.yes(),
+                    distance: dice.figure(),
+                }),
+            }),
             relaxed: self.maybe(|dice| Relaxed {
                 energy: dice.one_of(&[Energy::Abf, Energy::Isometric, Energy::USABLE, Energy::Slider(0.3)]),
                 before: dice.figure(),

@@ -1,6 +1,7 @@
 //! What the solver and the layout did.
 
 use super::figure::{self, known};
+use super::pins::Pinned;
 use super::settings::Asked;
 use super::text;
 use crate::record::failure::chain;
@@ -85,6 +86,9 @@ pub(crate) struct Solved {
     /// What relaxing did; absent where it was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) relaxed: Option<Relaxed>,
+    /// What became of pins; absent where there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) pins: Option<Pinned>,
 }
 
 /// The levels of a hierarchical solver: see [`abf::HierarchyReport`].
@@ -263,10 +267,9 @@ impl RunRecord {
         let boundary = flat.boundary.as_ref().map(BoundaryMet::new);
         let hierarchy = flat.hierarchy.as_ref().map(Hierarchy::new);
         let relaxed = flat.relaxed.as_ref().map(Relaxed::new);
-        Self {
-            settings: Asked::new(pipeline),
-            solved: Solved { precision_limits, boundary, hierarchy, relaxed, ..solved },
-        }
+        let pins = flat.pinned.as_ref().map(Pinned::new);
+        let solved = Solved { precision_limits, boundary, hierarchy, relaxed, pins, ..solved };
+        Self { settings: Asked::new(pipeline), solved }
     }
 
     /// The report of a mesh in charts; `None` where there are none.
@@ -333,6 +336,7 @@ impl Solved {
             boundary: None,
             hierarchy: None,
             relaxed: None,
+            pins: None,
         }
     }
 
@@ -369,6 +373,7 @@ impl Solved {
             boundary: None,
             hierarchy: None,
             relaxed: joined(self.relaxed, other.relaxed, Relaxed::and),
+            pins: None,
         }
     }
 }

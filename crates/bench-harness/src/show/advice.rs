@@ -24,7 +24,10 @@ pub(crate) fn next_to_try(record: &Record, may_cut: bool) -> Option<String> {
     }
     let mut what = Vec::new();
     if !run.termination.is_as_asked() {
-        what.push(ending(run));
+        match run.pins.as_ref().map_or(0, |pins| pins.missed) {
+            0 => what.push(ending(run)),
+            missed => what.push(count(missed, "pin not reached", "pins not reached")),
+        }
         what.extend(inner_shortfall(run));
     }
     if !quality.valid {
@@ -37,7 +40,8 @@ pub(crate) fn next_to_try(record: &Record, may_cut: bool) -> Option<String> {
         // As asked and valid, but a file could not be written.
         return None;
     }
-    let mut tries = tries(solver, run);
+    let is_missed = run.pins.as_ref().is_some_and(|pins| pins.missed > 0);
+    let mut tries = if is_missed { vec!["soft pins, or fewer".to_owned()] } else { tries(solver, run) };
     tries.truncate(SUGGESTIONS);
     let what = what.join(", ");
     Some(if tries.is_empty() { what } else { format!("{what}{TRY}{}", tries.join(OR)) })

@@ -12,6 +12,7 @@ use crate::objective::Objective;
 use crate::plane::{add_edge_damping, angle_derivatives, angles, of_face, orientation};
 use abf_mesh::{FaceId, Point2, Topology, Vector2};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// The weight of `Σ |δe|²/|e|²` beside an isometric energy of the same triangle: it holds what costs nothing, such as a
 /// turn of the whole, and bends no optimum.
@@ -47,7 +48,7 @@ pub(crate) struct Derivatives {
 }
 
 /// A density `Ψ(s₁, s₂)` that is infinite where a triangle collapses.
-pub(crate) trait Density: Sync {
+pub(crate) trait Density: Send + Sync {
     /// `Ψ` from `(s₁ − s₂)²` and `s₁s₂ > 0`, without cancellation near its least value, 0.
     fn value(&self, difference_squared: f64, product: f64) -> f64;
 
@@ -131,13 +132,13 @@ impl Density for Slider {
 }
 
 /// The integral of a density over a surface of area 1.
-pub(crate) struct Isometric<'r> {
-    pub(crate) density: &'r dyn Density,
+pub(crate) struct Isometric {
+    pub(crate) density: Arc<dyn Density>,
     /// One for every face.
-    pub(crate) rest: &'r [RestShape],
+    pub(crate) rest: Vec<RestShape>,
 }
 
-impl Isometric<'_> {
+impl Isometric {
     /// The factor `c` of the whole drawing at which the energy is least.
     pub(crate) fn best_scale(&self, topology: &Topology, uv: &[Point2<f64>]) -> f64 {
         let mut sums = [0.0; 2];
@@ -150,7 +151,7 @@ impl Isometric<'_> {
     }
 }
 
-impl TriangleEnergy for Isometric<'_> {
+impl TriangleEnergy for Isometric {
     fn value(&self, face: FaceId, points: &[Point2<f64>; 3]) -> f64 {
         let double_area = orientation(points);
         if !(double_area > 0.0) {
@@ -288,9 +289,9 @@ mod tests {
     const REST: [[f64; 2]; 3] = [[0.0, 0.0], [1.1, 0.0], [0.3, 0.8]];
     const DRAWN: [[f64; 2]; 3] = [[0.1, 0.2], [1.9, -0.4], [0.7, 0.6]];
 
-    fn densities() -> Vec<Box<dyn Density>> {
-        let sliders = [0.0, 0.01, 0.3, 1.0].map(|theta| Box::new(Slider { theta }) as Box<dyn Density>);
-        sliders.into_iter().chain([Box::new(SymmetricDirichlet) as Box<dyn Density>]).collect()
+    fn densities() -> Vec<Arc<dyn Density>> {
+        let sliders = [0.0, 0.01, 0.3, 1.0].map(|theta| Arc::new(Slider { theta }) as Arc<dyn Density>);
+        sliders.into_iter().chain([Arc::new(SymmetricDirichlet) as Arc<dyn Density>]).collect()
     }
 
     fn points(of: [[f64; 2]; 3]) -> [Point2<f64>; 3] {
@@ -331,8 +332,8 @@ mod tests {
     #[test]
     fn derivatives_of_a_triangle_are_its_differences_where_every_mode_is_positive() {
         for density in densities().iter().rev().take(3) {
-            let rest = [RestShape::of_plane(&points(REST), 0.7)];
-            let energy = Isometric { density: &**density, rest: &rest };
+            let rest = vec![RestShape::of_plane(&points(REST), 0.7)];
+            let energy = Isometric { density: Arc::clone(density), rest };
             // Near the optimum no mode is negative.
             let near = [[0.0, 0.0], [1.12, 0.01], [0.31, 0.81]];
             for (drawn, is_convex) in [(near, true), (DRAWN, false)] {
@@ -368,8 +369,8 @@ mod tests {
 
     #[test]
     fn a_triangle_turned_over_costs_infinitely_much() {
-        let rest = [RestShape::of_plane(&points(REST), 1.0)];
-        let energy = Isometric { density: &SymmetricDirichlet, rest: &rest };
+        let rest = vec![RestShape::of_plane(&points(REST), 1.0)];
+        let energy = Isometric { density: Arc::new(SymmetricDirichlet), rest };
         let [a, b, c] = points(DRAWN);
         assert_eq!(energy.value(FaceId::new(0), &[a, c, b]), f64::INFINITY);
         assert_eq!(energy.value(FaceId::new(0), &[a, a, b]), f64::INFINITY);

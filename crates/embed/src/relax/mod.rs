@@ -8,25 +8,31 @@
 //! then gets a shape of its own to go for, as much of the way to that on the surface as is within reach, anew for every
 //! step (progressive parameterizations: Liu, Ye, Ni, Fu 2018).
 
+mod energies;
 mod energy;
 mod linear;
+mod pinned;
+mod pins;
 mod rest;
 mod run;
+mod settings;
 mod terms;
 
 use crate::EmbedError;
-use crate::objective::Objective;
-use crate::place::{centred, check_start, pins, scaled_to};
+use crate::place::{centred, check_start, pins as anchors, scaled_to};
 use crate::plane::not_counter_clockwise;
 use abf_constraints::AngleProblem;
-use abf_control::{IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
+use abf_control::{IterationRecord, Observer, StopCriteria, Termination, Watch};
 use abf_mesh::{Point2, Topology, TriMesh};
-use energy::{AngleEnergy, Density, Isometric, Slider, SymmetricDirichlet};
-use rest::{RestShape, rest_shapes, within_reach};
+use energies::Energies;
+use energy::Isometric;
+pub use pinned::{PinResidual, PinnedDrawing};
+pub use pins::{Pin, PinError, PinFault, PinWeight, Pins};
+use rest::within_reach;
 pub use run::RelaxStep;
 use run::{Outcome, Run};
-use std::fmt;
-use std::str::FromStr;
+pub use settings::{Energy, Relax};
+use std::sync::Arc;
 use terms::{Directions, Terms};
 
 /// A drawing whose energy, for area 1, is below this is near enough for plain steps.
@@ -37,89 +43,6 @@ const FEW: f64 = 1e-3;
 
 /// At most so many steps are progressive.
 const MOST_PROGRESSIVE: usize = 140;
-
-/// What is to be little in a map.
-///
-/// It is read from, and written as, `abf`, `isometric`, `usable` or the number θ.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-#[non_exhaustive]
-pub enum Energy {
-    /// The errors of angles: `Σ w (x − a)²` with the barrier of the descent. Areas are free.
-    Abf,
-    /// The symmetric Dirichlet energy `∫ s₁² + s₂² + s₁⁻² + s₂⁻² − 4` over the surface, its area as 1; `s₁` and `s₂` are the
-    /// singular values of the map: lengths are kept.
-    #[default]
-    Isometric,
-    /// `∫ s₁/s₂ + s₂/s₁ − 2 + θ (s₁s₂ + 1/(s₁s₂) − 2)`: angles first, areas with the weight θ, in (0, ∞).
-    Slider(f64),
-}
-
-impl Energy {
-    /// The slider with θ = 0.01: hardly less true in angles than the least angle energy, and areas within bounds.
-    pub const USABLE: Self = Self::Slider(0.01);
-
-    /// Checks that θ is in its range.
-    ///
-    /// # Errors
-    /// [`SettingError`] with the range.
-    pub fn check(self) -> Result<(), SettingError> {
-        match self {
-            Self::Slider(theta) if !(theta > 0.0 && theta.is_finite()) => {
-                Err(SettingError::new("energy", "abf, isometric, usable or a positive number", theta))
-            }
-            Self::Slider(_) | Self::Abf | Self::Isometric => Ok(()),
-        }
-    }
-}
-
-impl fmt::Display for Energy {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Abf => f.write_str("abf"),
-            Self::Isometric => f.write_str("isometric"),
-            Self::Slider(theta) if Self::Slider(*theta) == Self::USABLE => f.write_str("usable"),
-            Self::Slider(theta) => theta.fmt(f),
-        }
-    }
-}
-
-impl FromStr for Energy {
-    type Err = SettingError;
-
-    fn from_str(s: &str) -> Result<Self, SettingError> {
-        let energy = match s {
-            "abf" => Self::Abf,
-            "isometric" => Self::Isometric,
-            "usable" => Self::USABLE,
-            // A word is no number, which is out of range.
-            other => Self::Slider(other.parse().unwrap_or(f64::NAN)),
-        };
-        let wrong = |error: SettingError| SettingError::new(error.name, error.allowed, format_args!("'{s}'"));
-        energy.check().map(|()| energy).map_err(wrong)
-    }
-}
-
-/// The settings of a relaxation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
-pub struct Relax {
-    /// What is to be little.
-    pub energy: Energy,
-    /// Converged means that a full step promises to lower the energy by no more than half of this share of it; beside
-    /// [`Energy::Abf`] the weight of the barrier counts for every angle.
-    pub energy_tolerance: f64,
-    /// At most so many steps, progressive ones included, of which there are at most 140.
-    pub max_steps: usize,
-    /// The weight of the barrier beside [`Energy::Abf`], as [`Descent::barrier_floor`](crate::Descent::barrier_floor).
-    pub barrier: f64,
-}
-
-impl Default for Relax {
-    fn default() -> Self {
-        Self { energy: Energy::default(), energy_tolerance: 1e-6, max_steps: 400, barrier: 1e-3 }
-    }
-}
 
 /// A drawing in which every triangle is counter-clockwise, by an exact predicate.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,16 +89,11 @@ impl Relax {
         let topology = problem.topology();
         check_start(topology, start)?;
         let mut watch = Watch::start(stop, observer);
-        let crowded = pins(topology, start)[0];
+        let crowded = anchors(topology, start)[0];
         let uv = centred(topology, start, crowded);
-        let rest = rest_shapes(mesh);
+        let energies = Energies::new(self, mesh, problem);
         watch.checkpoint()?;
-        let density: &dyn Density = match self.energy {
-            Energy::Slider(theta) => &Slider { theta },
-            Energy::Abf | Energy::Isometric => &SymmetricDirichlet,
-        };
-        let isometric = Isometric { density, rest: &rest };
-        let uv = scaled_by(topology, uv, isometric.best_scale(topology, start));
+        let uv = scaled_by(topology, uv, energies.isometric.best_scale(topology, start));
         let directions = Directions::new(topology, &[crowded], &mut || watch.checkpoint())?;
         let mut run = Run {
             topology,
@@ -187,14 +105,10 @@ impl Relax {
             max_steps: self.max_steps,
             unit: mesh.area().sqrt(),
         };
-        let angle_energy = AngleEnergy { objective: Objective { problem, barrier: self.barrier } };
-        let terms = match self.energy {
-            Energy::Abf => Terms { topology, triangles: &angle_energy, springs: &[] },
-            Energy::Isometric | Energy::Slider(_) => Terms { topology, triangles: &isometric, springs: &[] },
-        };
+        let terms = energies.terms(topology, &[]);
         let energy_before = terms.without_barrier(&run.uv);
         if self.energy != Energy::Abf {
-            approach(&mut run, density, &rest, &mut watch)?;
+            approach(&mut run, &energies.isometric, &mut watch)?;
         }
         let termination = run.descend(&terms, &mut watch)?;
         let energy = terms.without_barrier(&run.uv);
@@ -209,41 +123,18 @@ impl Relax {
             area_matched,
         })
     }
-
-    /// Checks that every setting is in its range; [`Relax::solve`] calls it first.
-    ///
-    /// # Errors
-    /// [`EmbedError::Setting`] naming the setting and its range.
-    pub fn check(&self) -> Result<(), EmbedError> {
-        self.energy.check()?;
-        for (name, value) in [("energy_tolerance", self.energy_tolerance), ("barrier", self.barrier)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(SettingError::new(name, "positive and finite", value).into());
-            }
-        }
-        if self.max_steps == 0 {
-            return Err(SettingError::new("max_steps", "at least 1", 0).into());
-        }
-        Ok(())
-    }
 }
 
 /// Progressive steps, while the drawing is far from the surface.
-fn approach(
-    run: &mut Run<'_>,
-    density: &dyn Density,
-    rest: &[RestShape],
-    watch: &mut Watch<'_>,
-) -> Result<(), EmbedError> {
+fn approach(run: &mut Run<'_>, truth: &Isometric, watch: &mut Watch<'_>) -> Result<(), EmbedError> {
     let topology = run.topology;
-    let truth = Isometric { density, rest };
-    let is_near = |uv: &[Point2<f64>]| Terms { topology, triangles: &truth, springs: &[] }.value(uv) < NEAR;
+    let is_near = |uv: &[Point2<f64>]| Terms { topology, triangles: truth, springs: &[] }.value(uv) < NEAR;
     while run.steps.len() < MOST_PROGRESSIVE && run.end(watch).is_none() && !is_near(&run.uv) {
-        let (reached, limited) = within_reach(topology, &run.uv, rest);
+        let (rest, limited) = within_reach(topology, &run.uv, &truth.rest);
         if limited as f64 <= FEW * topology.face_count() as f64 {
             return Ok(());
         }
-        let triangles = &Isometric { density, rest: &reached };
+        let triangles = &Isometric { density: Arc::clone(&truth.density), rest };
         let outcome = run.step(&Terms { topology, triangles, springs: &[] }, true, watch)?;
         // The same step would be found again.
         let has_moved = run.steps.last().is_some_and(|step| step.step_length > 0.0);

@@ -166,15 +166,15 @@ mod tests {
     use crate::relax::rest::rest_shapes;
     use crate::tutte;
     use abf_shapes::Shape;
+    use std::sync::Arc;
 
     #[test]
     fn the_slope_of_a_direction_is_what_the_cost_does_along_it() {
         let mesh = Shape::BumpySheet.mesh(300);
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
         let uv = tutte(&mesh, &topology).expect("an embedding").uv;
-        let rest = rest_shapes(&mesh);
         let springs = [Spring { vertex: VertexId::new(5), target: Point2::new(0.3, 0.4), weight: 2.0 }];
-        let energy = Isometric { density: &SymmetricDirichlet, rest: &rest };
+        let energy = Isometric { density: Arc::new(SymmetricDirichlet), rest: rest_shapes(&mesh) };
         let terms = Terms { topology: &topology, triangles: &energy, springs: &springs };
         let mut directions = Directions::new(&topology, &[], &mut || Ok(())).expect("a pattern");
         let direction = directions.at(&terms, &uv, &mut || Ok(())).expect("a direction");

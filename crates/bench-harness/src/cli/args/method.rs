@@ -10,6 +10,7 @@ use abf::{
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::value_parser;
 use std::fmt;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// More threads than any machine this was tried on has cores; some systems die of many more.
@@ -41,6 +42,10 @@ pub(crate) struct MethodArgs {
     /// within bounds) or THETA, the weight of areas beside angles; usable is 0.01. Not with --boundary
     #[arg(long, value_name = "abf|isometric|usable|THETA", allow_negative_numbers = true)]
     pub(crate) energy: Option<Energy>,
+    /// Bring vertices of a disk to given places: FILE has a vertex, counted from 0, and its U and V on each line, and
+    /// 'soft W' after it where the place need not be met. More than two: with --energy, or isometric
+    #[arg(long, hide_short_help = true, value_name = "FILE")]
+    pub(crate) pins: Option<PathBuf>,
     /// Scale the UVs into the unit square; otherwise they have the area of the surface, and charts are in it anyway
     #[arg(long)]
     pub(crate) normalize: bool,

@@ -1,7 +1,7 @@
 //! One record for people, in full.
 
 use crate::record::number::{count, megabytes, seconds, significant};
-use crate::record::{InnerAccuracy, Kkt, Quality, Record, Relaxed, RunRecord, Size, Timings};
+use crate::record::{InnerAccuracy, Kkt, Pinned, Quality, Record, Relaxed, RunRecord, Size, Timings};
 use crate::show::advice::{ending, lost_in_single};
 use abf::{Boundary, LinAbf, Metrics, Precision, Solver, SolverKind};
 use std::f64::consts::PI;
@@ -76,6 +76,7 @@ fn run_lines(solver: &str, run: &RunRecord) -> Vec<(&'static str, String)> {
     lines.extend(boundary_line(run).map(|line| ("boundary", line)));
     lines.extend(hierarchy_line(run).map(|line| ("levels", line)));
     lines.extend(run.relaxed.as_ref().map(|relaxed| ("relaxed", relaxed_line(relaxed))));
+    lines.extend(run.pins.as_ref().map(|pins| ("pins", pins_line(pins))));
     lines.push(("layout", layout_line(run)));
     lines
 }
@@ -157,6 +158,25 @@ fn relaxed_line(relaxed: &Relaxed) -> String {
         some => format!(", {some} of them progressive"),
     };
     format!("energy {}: {before} → {after} in {steps}{progressive}{start}", relaxed.energy)
+}
+
+/// What became of pins.
+fn pins_line(pins: &Pinned) -> String {
+    let all = count(pins.residuals.len(), "pin", "pins");
+    let steps = count(pins.steps, "step", "steps");
+    let farthest = pins.residuals.iter().max_by(|a, b| a.distance.total_cmp(&b.distance));
+    let far = match farthest {
+        Some(pin) if pin.distance != 0.0 => {
+            format!(
+                ", vertex {} is farthest from its place, by {}",
+                pin.vertex,
+                significant(pin.distance, RESIDUAL_DIGITS)
+            )
+        }
+        _ => ", all in their places".to_owned(),
+    };
+    let missed = if pins.missed == 0 { String::new() } else { format!(", {} not reached", pins.missed) };
+    format!("{all}{missed} after {steps}{far}")
 }
 
 fn newton_line(asked: &Solver) -> Option<String> {
