@@ -38,7 +38,7 @@ pub struct PinnedDrawing {
     pub uv: Vec<Point2<f64>>,
     /// How the last descent ended; [`Termination::Stalled`], too, where a hard pin is not in its place.
     pub termination: Termination,
-    /// The energy at the end, without the pins, of a surface as large as the drawing.
+    /// The energy at the end, without the pins and without a barrier, of a surface as large as the drawing.
     pub energy: f64,
     /// Every step.
     pub steps: Vec<RelaxStep>,
@@ -127,7 +127,7 @@ impl Relax {
         }
         put(topology, &mut drawing.uv, &pins.pins, NEAR * mesh.area().sqrt() / unit);
         let scaled: Vec<Point2<f64>> = drawing.uv.iter().map(|p| p * unit).collect();
-        drawing.energy = energies.terms(topology, &[]).value(&scaled);
+        drawing.energy = energies.terms(topology, &[]).without_barrier(&scaled);
         let residual = |pin: &Pin| PinResidual {
             vertex: pin.vertex,
             is_hard: pin.is_hard(),
