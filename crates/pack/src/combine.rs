@@ -3,10 +3,11 @@
 use crate::boxes::{self, Rectangle};
 use crate::geometry::{Point, UNTURNED, compose, extent, wheel};
 use crate::grid::{Grid, Masks, Pose, Slot};
-use crate::page::Criterion;
 use crate::settings::Effort;
 use crate::shape::Shape;
+use crate::stage::{Attempt, Order, Stage};
 use abf_parallel::prelude::*;
+use std::borrow::Cow;
 use std::cmp::Reverse;
 
 /// What is packed onto what.
@@ -25,95 +26,34 @@ pub(crate) struct Job {
     pub(crate) margin: f64,
     /// In its tightest box, lying on the longer side.
     pub(crate) boxes: Vec<Pose>,
-    /// At the angle at which it fits at the largest scale, and that scale.
+    /// At the angle at which it fits at the largest scale, and that scale; or in its box, where that is far larger than its
+    /// group can be.
     pub(crate) largest: Vec<(Pose, f64)>,
 }
 
 /// All pieces at one scale, in the order of the pieces.
 pub(crate) type Layout = Vec<Slot>;
 
-/// One round of attempts.
-#[derive(Clone, Copy, Debug)]
-struct Stage {
-    /// Cells along the longer side of a page.
-    cells: u32,
-    /// Angles of a large piece, and of the others.
-    angles: [usize; 2],
-    /// How many attempts there are.
-    attempts: usize,
-    /// [`Attempt::repairs`].
-    repairs: usize,
-    /// The step of the scale that is not worth another layout.
-    tolerance: f64,
-}
-
-/// What comes first, and where it is put.
-#[derive(Clone, Copy, Debug)]
-struct Attempt {
-    order: Order,
-    criterion: Criterion,
-    /// How often a piece that found no place comes earlier in the order, half as late as it was.
-    repairs: usize,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Order {
-    HalfPerimeter,
-    Area,
-    LongestSide,
-}
-
+/// A piece that could be this many times as large alone does not decide by itself.
+pub(crate) const DECIDES: f64 = 1.6;
 /// Pieces that count as large: those of the largest area.
 const LARGE: usize = 64;
+/// Bisections between a scale at which boxes fit and twice that: to four digits.
+pub(crate) const BISECTIONS: usize = 13;
 /// By how much an attempt must beat the best one before it.
 const GAIN: f64 = 1.002;
+/// A bound this many times the best scale is tried at once where few layouts may be made.
+const NEAR: f64 = 1.1;
+/// Where few layouts may be made, each is tried so far from the best scale to the one that is too large, as logarithms: the
+/// first nearly always fits.
+const STEP: f64 = 0.25;
 /// Attempts that are made side by side, on as many threads as there are. It decides what is tried, so it is not the number
 /// of threads.
 const SIDE_BY_SIDE: usize = 4;
 
-impl Stage {
-    fn of(effort: Effort, pieces: usize) -> Vec<Self> {
-        // What a layout costs grows with the pieces: fewer are made of many.
-        let (angles, attempts, repairs) = match pieces {
-            0..12 => ([32, 16], 15, 6),
-            12..30 => ([32, 16], 15, 3),
-            30..120 => ([16, 8], 15, 3),
-            120..400 => ([16, 8], 15, 0),
-            400..2_000 => ([16, 8], 5, 1),
-            2_000..8_000 => ([8, 2], 2, 0),
-            _ => ([2, 1], 1, 0),
-        };
-        let [large, small] = angles;
-        // Milliseconds: where there are many pieces, the angle of each matters less. Hundreds need small cells.
-        let (cells, most) = match pieces {
-            0..12 => (256, 4),
-            12..400 => (192, 2),
-            _ => (256, 2),
-        };
-        let fast = Self { cells, angles: angles.map(|n| n.min(most)), attempts: 1, repairs: 0, tolerance: 0.02 };
-        let good = Self { cells: 512, angles, attempts, repairs, tolerance: 0.004 };
-        let fine = Self { angles: [large.max(64), small.max(16)], ..good };
-        match effort {
-            Effort::Fast => vec![fast],
-            Effort::Good => vec![good],
-            Effort::Best => vec![good, fine, Self { cells: 1024, ..fine }],
-        }
-    }
-}
-
-impl Attempt {
-    /// All of them: those that are best most often first.
-    fn all(repairs: usize) -> Vec<Self> {
-        let criteria = [Criterion::Top, Criterion::Bottom, Criterion::Square, Criterion::Corner, Criterion::Middle];
-        let orders = [Order::HalfPerimeter, Order::Area, Order::LongestSide];
-        let of = |criterion| orders.map(|order| Self { order, criterion, repairs });
-        criteria.into_iter().flat_map(of).collect()
-    }
-}
-
 impl Job {
     /// No scale above it fits: by the area of each group, and by each piece alone.
-    fn bound(&self) -> f64 {
+    pub(crate) fn bound(&self) -> f64 {
         let room = self.inner[0] * self.inner[1] * self.pages as f64;
         let area = |group: &Vec<usize>| group.iter().map(|&i| self.shapes[i].area).sum::<f64>();
         let by_area = self.groups.iter().map(|group| (room / area(group)).sqrt()).fold(f64::INFINITY, f64::min);
@@ -125,10 +65,15 @@ impl Job {
     /// The largest scale that is found, and its layout. `None`: not even points fit.
     pub(crate) fn largest_scale(&self, effort: Effort) -> Option<(f64, Layout)> {
         let bound = self.bound();
-        let mut best = self.largest_boxes(bound)?;
-        for stage in Stage::of(effort, self.shapes.len()) {
+        let stages = Stage::of(effort, self.shapes.len());
+        let put_off = stages[0].limit.map_or(0, |limit| limit.put_off);
+        let (mut best, too_large) = self.largest_boxes(bound, BISECTIONS - put_off)?;
+        for stage in stages {
             if best.0 * GAIN < bound {
                 self.improve(stage, bound, &mut best);
+            }
+            if best.0 < too_large {
+                self.bisect_boxes(put_off, &mut best, too_large);
             }
             if best.0 < bound && best.0 * GAIN >= bound {
                 // So little is left that the bound itself is tried.
@@ -151,8 +96,8 @@ impl Job {
 
     /// A layout at this scale by the first attempt of a stage that finds one.
     fn by_any_attempt(&self, stage: Stage, scale: f64) -> Option<Layout> {
-        let poses = self.poses(stage, scale);
-        let masks = Masks::new(self.grid(stage), &self.shapes, &poses, scale);
+        let (poses, shapes) = (self.poses(stage, scale), self.outlines(stage, scale));
+        let masks = Masks::new(self.grid(stage), &shapes, &poses, scale);
         let attempts = &Attempt::all(stage.repairs)[..stage.attempts];
         attempts.chunks(SIDE_BY_SIDE).find_map(|some| {
             let found: Vec<_> = some.par_iter().map(|&attempt| self.cells_at(&masks, attempt)).collect();
@@ -160,26 +105,30 @@ impl Job {
         })
     }
 
-    /// By boxes.
-    fn largest_boxes(&self, bound: f64) -> Option<(f64, Layout)> {
+    /// By boxes, and a scale at which they do not fit, or the bound.
+    pub(crate) fn largest_boxes(&self, bound: f64, bisections: usize) -> Option<((f64, Layout), f64)> {
         /// Halvings after which what does not fit never will: all pieces are points by then.
         const HALVINGS: i32 = 60;
-        /// Bisections between a scale that fits and twice that: to four digits.
-        const BISECTIONS: usize = 13;
         if let Some(layout) = self.boxes_at(bound) {
-            return Some((bound, layout));
+            return Some(((bound, layout), bound));
         }
         let scales = (1..=HALVINGS).map(|k| bound * 0.5_f64.powi(k));
         let mut best = scales.into_iter().find_map(|scale| Some((scale, self.boxes_at(scale)?)))?;
-        let mut too_large = 2.0 * best.0;
-        for _ in 0..BISECTIONS {
+        let too_large = 2.0 * best.0;
+        let too_large = self.bisect_boxes(bisections, &mut best, too_large);
+        Some((best, too_large))
+    }
+
+    /// Larger boxes below a scale at which they do not fit, and the least scale found at which they do not.
+    fn bisect_boxes(&self, bisections: usize, best: &mut (f64, Layout), mut too_large: f64) -> f64 {
+        for _ in 0..bisections {
             let scale = f64::midpoint(best.0, too_large);
             match self.boxes_at(scale) {
-                Some(layout) => best = (scale, layout),
+                Some(layout) => *best = (scale, layout),
                 None => too_large = scale,
             }
         }
-        Some(best)
+        too_large
     }
 
     fn boxes_at(&self, scale: f64) -> Option<Layout> {
@@ -210,13 +159,20 @@ impl Job {
     }
 
     fn improve(&self, stage: Stage, bound: f64, best: &mut (f64, Layout)) {
-        let poses = self.poses(stage, bound);
-        let masks = |scale: f64| Masks::new(self.grid(stage), &self.shapes, &poses, scale);
+        let (poses, shapes) = (self.poses(stage, bound), self.outlines(stage, bound));
+        let masks = |scale: f64| Masks::new(self.grid(stage), &shapes, &poses, scale);
         let attempts = &Attempt::all(stage.repairs)[..stage.attempts];
         // The first attempt finds out how large pieces can be.
         let mut too_large = bound * (1.0 + stage.tolerance);
-        while too_large > best.0 * (1.0 + stage.tolerance) {
-            let scale = (best.0 * too_large).sqrt().min(bound);
+        let mut layouts = 0;
+        while too_large > best.0 * (1.0 + stage.tolerance) && stage.limit.is_none_or(|limit| layouts < limit.layouts) {
+            let scale = match stage.limit {
+                // Where the bound is near it is likely to be reached.
+                Some(_) if layouts == 0 && bound < NEAR * best.0 => bound,
+                Some(_) => (best.0 * (too_large / best.0).powf(STEP)).min(bound),
+                None => (best.0 * too_large).sqrt().min(bound),
+            };
+            layouts += 1;
             match self.cells_at(&masks(scale), attempts[0]) {
                 Some(layout) => *best = (scale, layout),
                 None => too_large = scale,
@@ -314,14 +270,22 @@ impl Job {
 
     fn grid(&self, stage: Stage) -> Grid {
         let cell = self.inner[0].max(self.inner[1]) / f64::from(stage.cells);
-        Grid { inner: self.inner, margin: self.margin, cell }
+        Grid { inner: self.inner, margin: self.margin, slack: stage.slack * cell, cell }
+    }
+
+    /// The pieces with outlines that are as near to them as the stage asks, up to this scale.
+    fn outlines(&self, stage: Stage, scale: f64) -> Cow<'_, [Shape]> {
+        let within = self.grid(stage).slack / scale;
+        if within > 0.0 {
+            Cow::Owned(self.shapes.par_iter().map(|shape| shape.simplified(within)).collect())
+        } else {
+            Cow::Borrowed(&self.shapes)
+        }
     }
 
     /// The angles that are tried of every piece: from its tightest box on, and, for one that takes much of the page, from the
     /// angle at which it can be largest.
     fn poses(&self, stage: Stage, bound: f64) -> Vec<Vec<Pose>> {
-        /// A piece that could be this many times as large alone does not decide by itself.
-        const DECIDES: f64 = 1.6;
         let mut by_area: Vec<usize> = (0..self.shapes.len()).collect();
         by_area.sort_by_cached_key(|&i| (Reverse(self.shapes[i].area.to_bits()), i));
         let mut is_large = vec![false; self.shapes.len()];
@@ -341,12 +305,6 @@ impl Job {
             turns.into_iter().map(|turn| Pose::new(&self.shapes[i], turn)).collect()
         };
         (0..self.shapes.len()).into_par_iter().map(of).collect()
-    }
-}
-
-impl Attempt {
-    fn is(&self, other: &Self) -> bool {
-        self.criterion == other.criterion && std::mem::discriminant(&self.order) == std::mem::discriminant(&other.order)
     }
 }
 

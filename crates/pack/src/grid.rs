@@ -30,6 +30,8 @@ pub(crate) struct Grid {
     pub(crate) inner: Point,
     /// In texels.
     pub(crate) margin: f64,
+    /// How far the pieces may be from their outlines, in texels: those have fewer points.
+    pub(crate) slack: f64,
     /// The side of a cell in texels.
     pub(crate) cell: f64,
 }
@@ -45,6 +47,13 @@ pub(crate) struct Masks<'a> {
     made: Vec<Vec<OnceLock<Mask>>>,
 }
 
+impl Grid {
+    /// How far from its outline a piece keeps others, in cells.
+    fn reach(&self) -> f64 {
+        (self.margin + self.slack) / self.cell
+    }
+}
+
 impl<'a> Masks<'a> {
     pub(crate) fn new(grid: Grid, shapes: &'a [Shape], poses: &'a [Vec<Pose>], scale: f64) -> Self {
         let made = poses.iter().map(|poses| poses.iter().map(|_| OnceLock::new()).collect()).collect();
@@ -52,13 +61,12 @@ impl<'a> Masks<'a> {
     }
 
     fn get(&self, piece: usize, pose: usize) -> &Mask {
-        self.made[piece][pose]
-            .get_or_init(|| Mask::new(&self.shapes[piece], self.lie(piece, pose), self.grid.margin / self.grid.cell))
+        self.made[piece][pose].get_or_init(|| Mask::new(&self.shapes[piece], self.lie(piece, pose), self.grid.reach()))
     }
 
     /// The cells that a piece itself touches.
     fn thin(&self, piece: usize, pose: usize) -> Bits {
-        Bits::within(&self.shapes[piece], self.lie(piece, pose), 0.0)
+        Bits::within(&self.shapes[piece], self.lie(piece, pose), self.grid.slack / self.grid.cell)
     }
 
     fn lie(&self, piece: usize, pose: usize) -> Lie {
@@ -78,13 +86,13 @@ impl<'a> Masks<'a> {
         criterion: Criterion,
         pages: usize,
     ) -> Result<Vec<(usize, Slot)>, usize> {
-        let Grid { inner, margin, cell } = self.grid;
+        let Grid { inner, cell, .. } = self.grid;
         let mut taken: Vec<Page> = Vec::new();
         let mut slots = Vec::with_capacity(order.len());
         for (at, &piece) in order.iter().enumerate() {
             let slot = (0..pages).find_map(|number| {
                 if number == taken.len() {
-                    taken.push(Page::new(inner.map(|side| side / cell), margin / cell));
+                    taken.push(Page::new(inner.map(|side| side / cell), self.grid.reach()));
                 }
                 let page = &mut taken[number];
                 let mut best = None;

@@ -37,6 +37,7 @@ mod search;
 mod settings;
 mod shape;
 mod side_by_side;
+mod stage;
 
 pub use error::PackError;
 pub use gaps::{Gap, gaps};

@@ -1,6 +1,6 @@
 //! From pieces to pages.
 
-use crate::combine::{Job, Layout};
+use crate::combine::{DECIDES, Job, Layout};
 use crate::geometry::{UNTURNED, extent};
 use crate::grid::Pose;
 use crate::shape::Shape;
@@ -60,20 +60,30 @@ fn job(pieces: &[Piece], unit: f64, settings: &PackSettings) -> Job {
         Shape::new(&piece.polygons, [low[0] + 0.5 * size[0], low[1] + 0.5 * size[1]], unit)
     };
     let shapes: Vec<Shape> = pieces.par_iter().map(shape).collect();
-    let largest = |(shape, piece): (&Shape, &Piece)| {
-        let turn = if piece.keeps_its_angle { UNTURNED } else { shape.hull.largest_in(inner).0 };
-        let pose = Pose::new(shape, turn);
-        // By the points themselves: the hull may lack a corner that hardly is one.
-        (pose, (inner[0] / pose.size[0]).min(inner[1] / pose.size[1]))
-    };
+    // By the points themselves: the hull may lack a corner that hardly is one.
+    let fitted = |pose: Pose| (pose, (inner[0] / pose.size[0]).min(inner[1] / pose.size[1]));
     let boxed = |(shape, piece): (&Shape, &Piece)| {
         Pose::new(shape, if piece.keeps_its_angle { UNTURNED } else { shape.hull.tightest_box() })
     };
     let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     pieces.iter().enumerate().for_each(|(i, piece)| groups.entry(piece.group).or_default().push(i));
+    let boxes: Vec<Pose> = shapes.par_iter().zip(pieces).map(boxed).collect();
+    // No group of several gets larger than its area lets it. A piece that is far smaller even in its box decides nothing.
+    let mut is_asked = vec![settings.texels_per_unit.is_some(); pieces.len()];
+    for group in groups.values() {
+        let area: f64 = group.iter().map(|&i| shapes[i].area).sum();
+        let by_area = (inner[0] * inner[1] * settings.pages as f64 / area).sqrt();
+        let is_near = |i: usize| group.len() == 1 || !(fitted(boxes[i]).1 > DECIDES * by_area);
+        group.iter().for_each(|&i| is_asked[i] |= is_near(i));
+    }
+    let largest = |i: usize| match &pieces[i] {
+        piece if piece.keeps_its_angle => fitted(Pose::new(&shapes[i], UNTURNED)),
+        _ if is_asked[i] => fitted(Pose::new(&shapes[i], shapes[i].hull.largest_in(inner).0)),
+        _ => fitted(boxes[i]),
+    };
     Job {
-        largest: shapes.par_iter().zip(pieces).map(largest).collect(),
-        boxes: shapes.par_iter().zip(pieces).map(boxed).collect(),
+        largest: (0..pieces.len()).into_par_iter().map(largest).collect(),
+        boxes,
         fixed: pieces.iter().map(|piece| piece.keeps_its_angle).collect(),
         groups: groups.into_values().collect(),
         shapes,
@@ -151,6 +161,7 @@ fn packing(
 mod tests {
     use super::*;
     use crate::Effort;
+    use crate::combine::BISECTIONS;
 
     #[test]
     fn boxes_that_are_nearly_as_large_as_can_be_do_not_keep_a_layout_from_being_so() {
@@ -163,6 +174,22 @@ mod tests {
             let packing = pack(&pieces, &PackSettings { effort, ..PackSettings::default() }).expect("they fit");
             // The page without its margins, through the longest side.
             assert!((packing.texels_per_unit - 102.0).abs() < 1e-6, "{effort}: {}", packing.texels_per_unit);
+        }
+    }
+
+    #[test]
+    fn fast_is_not_below_boxes_however_many_pieces_there_are() {
+        let rectangle = |i: usize| {
+            let (w, h) = (1.0 + (i * 7 % 11) as f64, 0.5 + (i * 5 % 7) as f64);
+            Piece::new(vec![vec![[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]]])
+        };
+        for count in [3, 20, 450] {
+            let pieces: Vec<Piece> = (0..count).map(rectangle).collect();
+            let job = job(&pieces, check(&pieces).expect("pieces"), &PackSettings::default());
+            let ((boxes, _), _) = job.largest_boxes(job.bound(), BISECTIONS).expect("boxes");
+            let (fast, _) = job.largest_scale(Effort::Fast).expect("a layout");
+            // Both are bisected to four digits.
+            assert!(fast > 0.999 * boxes, "{count}: {fast} {boxes}");
         }
     }
 }

@@ -46,7 +46,7 @@ impl Default for PackSettings {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Effort {
-    /// Milliseconds: a coarse grid and a few angles.
+    /// Milliseconds: a coarse grid, a few angles, and the fewer layouts the more pieces there are.
     Fast,
     /// About a second: fifteen ways to choose the next place, sixteen angles.
     #[default]

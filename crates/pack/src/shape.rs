@@ -1,6 +1,6 @@
 //! A piece in the numbers of the packer.
 
-use crate::geometry::{Hull, Point, signed_area};
+use crate::geometry::{Hull, Point, dot, minus, signed_area};
 
 /// A piece around its own middle, in units of the longest piece.
 #[derive(Clone, Debug)]
@@ -71,6 +71,19 @@ impl Shape {
         step * crossings.iter_mut().map(|line| covered(line)).sum::<f64>()
     }
 
+    /// The same outlines with fewer points: none that is left out is farther than `within` from the edge in its place.
+    ///
+    /// So the piece lies within that of the new edges where it differs from what they are around.
+    pub(crate) fn simplified(&self, within: f64) -> Self {
+        let (mut points, mut loops, mut start) = (Vec::new(), Vec::with_capacity(self.loops.len()), 0);
+        for &end in &self.loops {
+            simplify(&self.points[start..end], within, &mut points);
+            loops.push(points.len());
+            start = end;
+        }
+        Self { points, loops, outlines: self.outlines.clone(), area: self.area, hull: self.hull.clone() }
+    }
+
     pub(crate) fn points(&self) -> &[Point] {
         &self.points
     }
@@ -82,6 +95,32 @@ impl Shape {
             let loops = start_of(&self.outlines, i)..self.outlines[i];
             loops.map(move |j| &self.points[start_of(&self.loops, j)..self.loops[j]])
         })
+    }
+}
+
+/// Those points of a loop that [`Shape::simplified`] keeps: from each the farthest that an edge may lead to.
+fn simplify(ring: &[Point], within: f64, kept: &mut Vec<Point>) {
+    /// Edges that become one. All points between are looked at for each of them.
+    const MOST: usize = 16;
+    let at = |i: usize| ring[i % ring.len()];
+    let may_be_one = |from: usize, to: usize| {
+        let (a, along) = (at(from), minus(at(to), at(from)));
+        let squared = dot(along, along);
+        (from + 1..to).all(|i| {
+            let way = minus(at(i), a);
+            let part = if squared > 0.0 { (dot(way, along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+            let off = [way[0] - part * along[0], way[1] - part * along[1]];
+            dot(off, off) <= within * within
+        })
+    };
+    let mut from = 0;
+    while from < ring.len() {
+        kept.push(ring[from]);
+        let mut to = from + 1;
+        while to < ring.len() && to < from + MOST && may_be_one(from, to + 1) {
+            to += 1;
+        }
+        from = to;
     }
 }
 
@@ -113,5 +152,33 @@ mod tests {
         assert!((of(&[vec![square(0.0, 1.0), hole.clone()], vec![square(2.0, 1.0)]]) - 1.75).abs() < 2e-3);
         // The hole of the one is covered by the other.
         assert!((of(&[vec![square(0.0, 1.0), hole], vec![square(0.0, 1.0)]]) - 1.0).abs() < 2e-3);
+    }
+
+    #[test]
+    fn points_that_are_left_out_are_near_the_edges_in_their_place() {
+        let at = |i: u32, r: f64| {
+            let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 400.0).sin_cos();
+            [r * cos, r * sin]
+        };
+        let rings: Vec<Vec<Point>> = [1.0, 0.4].map(|r| (0..400).map(|i| at(i, r)).collect()).into();
+        let whole = Shape::new(&[rings], [0.0; 2], 1.0);
+        for within in [1e-3, 1e-2] {
+            let few = whole.simplified(within);
+            assert!(few.points().len() < whole.points().len() / 4, "{}", few.points().len());
+            let loops: Vec<&[Point]> = few.outlines().flatten().collect();
+            assert_eq!(loops.len(), 2);
+            for p in whole.points() {
+                let to_edge = |a: Point, b: Point| {
+                    let (along, way) = (minus(b, a), minus(*p, a));
+                    let part = (dot(way, along) / dot(along, along)).clamp(0.0, 1.0);
+                    (way[0] - part * along[0]).hypot(way[1] - part * along[1])
+                };
+                let edges = loops.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
+                let off = edges.map(|(&a, &b)| to_edge(a, b)).fold(f64::INFINITY, f64::min);
+                assert!(off <= within * (1.0 + 1e-9), "{off} {within}");
+            }
+        }
+        // Without room no corner goes.
+        assert_eq!(whole.simplified(0.0).points(), whole.points());
     }
 }

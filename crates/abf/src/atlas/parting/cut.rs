@@ -12,7 +12,7 @@ use std::collections::BinaryHeap;
 /// Points of the boundary that cuts begin and end at, evenly apart.
 const ENDS: usize = 28;
 /// Neither side of a cut for coverage is smaller than this part of the chart.
-const LEAST_SIDE: f64 = 0.08;
+const LEAST_SIDE: f64 = 0.02;
 /// Cuts at one narrow place whose effect is measured, the most promising first.
 const MEASURED: usize = 4;
 

@@ -51,6 +51,8 @@ pub struct Parted {
 
 /// Cuts of one chart that are tried in full, the most promising first.
 const TRIES: usize = 12;
+/// The longest cuts, as parts of the budget, one after another: several short ones may do more than a long one.
+const LONGEST: [f64; 2] = [1.0, 0.5];
 /// By how much a cut must let the atlas cover more.
 const GAIN: f64 = 1.01;
 /// Quick packings that may be made to rate the cuts of a chart, times the charts in each; one packing of many charts
@@ -68,7 +70,8 @@ impl Atlas {
     ///
     /// For coverage the largest chart is parted as long as that lets the atlas cover more, until it covers what is aimed
     /// at or the budget is spent. Cuts go between points of the outer boundary of a chart, along shortest paths. Each is
-    /// rated by a quick packing of the outlines, the best of them by a good one, and the best of these is made.
+    /// rated by a quick packing of the outlines, the best of them by a good one, and the best of these is made. Where that
+    /// misses the aim, several cuts of half the budget at most are tried in their place.
     ///
     /// For the margin a chart is parted where a cut separates the two sides of a place that is too narrow. Narrow holes
     /// stay as they are.
@@ -119,16 +122,42 @@ impl Atlas {
         Ok(parted)
     }
 
-    /// Parts the largest chart until the atlas covers so much, or no cut within the budget is worth it.
+    /// Parts the largest chart until the atlas covers so much, first by cuts of any length within the budget, then, from the
+    /// start, by shorter ones. The better atlas is kept.
     fn cover(
         &self,
         splitter: &Splitter<'_>,
         parted: &mut Parted,
-        (aim, mut budget): (f64, f64),
+        (aim, budget): (f64, f64),
+        (again, may_go_on): (&Again<'_>, &mut dyn FnMut() -> bool),
+    ) -> Result<(), AtlasError> {
+        let whole = parted.clone();
+        for share in LONGEST {
+            if parted.packed.coverage >= aim || parted.is_unfinished {
+                break;
+            }
+            let mut tried = whole.clone();
+            self.cover_by(splitter, &mut tried, (aim, budget, share * budget), (again, may_go_on))?;
+            let is_unfinished = tried.is_unfinished;
+            if tried.packed.coverage > parted.packed.coverage {
+                *parted = tried;
+            }
+            parted.is_unfinished = is_unfinished;
+        }
+        Ok(())
+    }
+
+    /// Parts the largest chart by cuts that are no longer than `longest` until the atlas covers so much, or no cut within the
+    /// budget is worth it.
+    fn cover_by(
+        &self,
+        splitter: &Splitter<'_>,
+        parted: &mut Parted,
+        (aim, mut budget, longest): (f64, f64, f64),
         (again, may_go_on): (&Again<'_>, &mut dyn FnMut() -> bool),
     ) -> Result<(), AtlasError> {
         while parted.packed.coverage < aim {
-            let Some((chart, cuts)) = self.cuts(splitter, &parted.unwrapped, budget) else { break };
+            let Some((chart, cuts)) = self.cuts(splitter, &parted.unwrapped, budget.min(longest)) else { break };
             let mut gained = None;
             for cut in cuts.iter().take(TRIES) {
                 if !may_go_on() {

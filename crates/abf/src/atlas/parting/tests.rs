@@ -150,3 +150,29 @@ fn nothing_more_is_cut_when_it_may_not_go_on() {
         }
     }
 }
+
+/// A square of 20 by 20 with a strip of 16 by 1 that goes on along its lower side.
+fn square_with_a_tail() -> TriMesh {
+    let cells: Vec<[usize; 2]> =
+        (0..20).flat_map(|x| (0..20).map(move |y| [x, y])).chain((20..36).map(|x| [x, 0])).collect();
+    let corners = |&[x, y]: &[usize; 2]| [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]];
+    let mut points: Vec<[usize; 2]> = cells.iter().flat_map(corners).collect();
+    points.sort_unstable();
+    points.dedup();
+    let at = |p: [usize; 2]| points.binary_search(&p).expect("a corner of a cell");
+    let faces: Vec<[usize; 3]> =
+        cells.iter().map(|cell| corners(cell).map(at)).flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let places = points.iter().map(|&[x, y]| Point3::new(x as f64, y as f64, 0.0)).collect();
+    TriMesh::new(places, &faces).expect("indices in range")
+}
+
+#[test]
+fn a_small_part_that_sticks_out_is_cut_off() {
+    let mesh = square_with_a_tail();
+    let whole = run(&mesh, None, &Parting::default());
+    // The tail is a 26th of the chart, and a cut through the square is beyond the budget.
+    let parted = run(&mesh, None, &Parting { coverage: Some(0.6), seam_budget: 0.1, ..Parting::default() });
+    assert!(parted.for_coverage > 0);
+    assert!(parted.packed.coverage > 1.5 * whole.packed.coverage, "{}", parted.packed.coverage);
+    check(&mesh, &parted);
+}
