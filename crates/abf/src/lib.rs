@@ -114,7 +114,7 @@ pub mod parallel {
 
 /// From angles to coordinates; which layout is asked for is at the root of the crate.
 pub mod reconstruct {
-    pub use abf_reconstruct::{ANGLE_CLAMP, Layout, LayoutError, Pins, aligned, layout, layout_asking};
+    pub use abf_reconstruct::{ANGLE_CLAMP, Layout, LayoutError, PinnedPair, aligned, layout, layout_asking};
 }
 
 /// The parts that solvers are made of; the settings they share are at the root of the crate.

@@ -1,7 +1,7 @@
 //! The choice of a method, and what they all share.
 
 use crate::tree::EdgeVectors;
-use crate::{LinearError, LinearStats, Pins, least_squares, poisson};
+use crate::{LinearError, LinearStats, PinnedPair, least_squares, poisson};
 use abf_control::{Cancelled, Checkpoint, UnknownName};
 use abf_linalg::Complex64;
 use abf_mesh::{Point2, Topology, TriMesh, UvMap};
@@ -165,7 +165,7 @@ pub fn layout_asking(
     if angles.len() != topology.corner_count() {
         return Err(LayoutError::AngleCount { given: angles.len(), corners: topology.corner_count() });
     }
-    let pins = Pins::far_apart(mesh, topology).ok_or(LayoutError::NoBoundary)?;
+    let pins = PinnedPair::far_apart(mesh, topology).ok_or(LayoutError::NoBoundary)?;
     let clamped: Vec<f64> =
         angles.par_iter().with_min_len(PER_TASK).map(|x| x.clamp(ANGLE_CLAMP, PI - ANGLE_CLAMP)).collect();
     let clamped_angles = angles.iter().zip(&clamped).filter(|(x, y)| x != y).count();
@@ -185,7 +185,7 @@ struct Placed {
 fn place(
     topology: &Topology,
     angles: &[f64],
-    pins: Pins,
+    pins: PinnedPair,
     settings: &LayoutSettings,
     checkpoint: &mut Checkpoint<'_>,
 ) -> Result<Placed, LayoutError> {
@@ -228,12 +228,12 @@ fn place(
 pub fn aligned(mesh: &TriMesh, topology: &Topology, points: &[Point2<f64>]) -> Option<UvMap> {
     assert_eq!(points.len(), mesh.vertex_count(), "one point per vertex");
     let z: Vec<Complex64> = points.iter().map(|p| Complex64::new(p.x, p.y)).collect();
-    finish(mesh, &z, Pins::far_apart(mesh, topology)?)
+    finish(mesh, &z, PinnedPair::far_apart(mesh, topology)?)
 }
 
 /// Moves, turns and scales: pins on the x-axis, triangles counter-clockwise, the area of the
 /// surface. `None` when a coordinate is not finite.
-fn finish(mesh: &TriMesh, z: &[Complex64], pins: Pins) -> Option<UvMap> {
+fn finish(mesh: &TriMesh, z: &[Complex64], pins: PinnedPair) -> Option<UvMap> {
     let origin = z[pins.origin.index()];
     let axis = z[pins.axis.index()] - origin;
     // Pins that fell on each other fix no direction.
@@ -292,7 +292,7 @@ mod tests {
         let (mesh, layout) = lay_out(Shape::Hemisphere, LayoutKind::LeastSquaresWeighted);
         assert!((layout.uv.signed_area() / mesh.area() - 1.0).abs() < 1e-12);
         let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-        let pins = Pins::far_apart(&mesh, &topology).expect("a boundary");
+        let pins = PinnedPair::far_apart(&mesh, &topology).expect("a boundary");
         let at = |v| layout.uv.corner(topology.fan_start(v).expect("used"));
         assert!(at(pins.origin).coords.norm() < 1e-12);
         assert!(at(pins.axis).y.abs() < 1e-12 && at(pins.axis).x > 0.0);

@@ -12,7 +12,7 @@
 //! proper, its area weights included, and no longer depends on the rotation of the corners.
 
 use crate::numbering::Numbering;
-use crate::{LinearError, LinearStats, Pins};
+use crate::{LinearError, LinearStats, PinnedPair};
 use abf_control::{Checkpoint, at_block};
 use abf_linalg::{Complex64, Refinement, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::{CornerId, FaceId, Topology, VertexId};
@@ -21,7 +21,7 @@ use abf_mesh::{CornerId, FaceId, Topology, VertexId};
 pub(crate) fn place(
     topology: &Topology,
     angles: &[f64],
-    pins: Pins,
+    pins: PinnedPair,
     weighted: bool,
     checkpoint: &mut Checkpoint<'_>,
 ) -> Result<(Vec<Complex64>, LinearStats), LinearError> {

@@ -14,7 +14,7 @@
 //! [`LayoutKind::Auto`] takes the tree when the angles close, else least squares. For angles that
 //! close all of them give the same drawing.
 //!
-//! Whatever the method, the first of two boundary [pins](Pins) is put at the origin, the second on
+//! Whatever the method, the first of two boundary [pins](PinnedPair) is put at the origin, the second on
 //! the positive x-axis, triangles run counter-clockwise, and the total UV area equals the area of
 //! the surface.
 
@@ -27,4 +27,4 @@ mod tree;
 
 pub use abf_linalg::{LinearError, LinearStats};
 pub use layout::{ANGLE_CLAMP, Layout, LayoutError, LayoutKind, LayoutSettings, aligned, layout, layout_asking};
-pub use pins::Pins;
+pub use pins::PinnedPair;

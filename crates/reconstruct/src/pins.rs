@@ -4,14 +4,14 @@ use abf_mesh::{Topology, TriMesh, VertexId};
 
 /// The two vertices that fix the similarity of a layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pins {
+pub struct PinnedPair {
     /// Put at the origin.
     pub origin: VertexId,
     /// Put on the positive x-axis.
     pub axis: VertexId,
 }
 
-impl Pins {
+impl PinnedPair {
     /// The rule behind every published number of this project: with `b` the first boundary vertex
     /// by index, `axis` is the boundary vertex farthest from `b` in space and `origin` the boundary
     /// vertex farthest from `axis`. Ties go to the lower index. `None` without a boundary.
@@ -45,7 +45,7 @@ mod tests {
         for shape in Shape::ALL {
             let mesh = shape.mesh(300);
             let topology = Topology::build(mesh.vertex_count(), mesh.faces()).expect("a manifold");
-            let pins = Pins::far_apart(&mesh, &topology).expect("a boundary");
+            let pins = PinnedPair::far_apart(&mesh, &topology).expect("a boundary");
             assert!(pins.origin != pins.axis && topology.is_boundary(pins.origin) && topology.is_boundary(pins.axis));
         }
     }

@@ -7,7 +7,7 @@
 
 use crate::numbering::Numbering;
 use crate::tree::EdgeVectors;
-use crate::{LinearError, LinearStats, Pins};
+use crate::{LinearError, LinearStats, PinnedPair};
 use abf_control::{Checkpoint, at_block};
 use abf_linalg::{Complex64, Refinement, SymbolicCholesky, SymmetricMatrix};
 use abf_mesh::Topology;
@@ -17,7 +17,7 @@ pub(crate) fn place(
     topology: &Topology,
     angles: &[f64],
     edges: &EdgeVectors,
-    pins: Pins,
+    pins: PinnedPair,
     checkpoint: &mut Checkpoint<'_>,
 ) -> Result<(Vec<Complex64>, LinearStats), LinearError> {
     let numbering = Numbering::new(topology, &[pins.origin], checkpoint)?;
