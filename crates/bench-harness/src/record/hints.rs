@@ -130,7 +130,7 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
         FlattenError::Pins(_) => (FailureKind::Setting, "change those lines of the file of --pins"),
         FlattenError::PinsElsewhere(_) => (
             FailureKind::Setting,
-            "leave out --pins, --normalize or --boundary, and give it a disk, flattened without an atlas",
+            "leave out --pins, or --normalize and --boundary; pins go with a disk that is flattened without an atlas",
         ),
         FlattenError::RelaxBoundary(_) => (FailureKind::Setting, "leave out --energy, or --boundary"),
         FlattenError::BoundarySolver(_) => (FailureKind::Setting, "take --solver auto, linabf or barrier"),
