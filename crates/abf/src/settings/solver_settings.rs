@@ -47,10 +47,17 @@ impl SolverSettings {
     /// [`VoidSetting`] names the first that the solver does not have; the solver stays as it was then.
     pub fn give(&self, solver: &mut Solver) -> Result<(), VoidSetting> {
         self.refuse_void(solver.kind())?;
+        self.give_what_it_has(solver);
+        Ok(())
+    }
+
+    /// Gives a solver those that it has, and leaves out the others: for several solvers with one set of settings.
+    pub fn give_what_it_has(&self, solver: &mut Solver) {
+        let bounds_errors = solver.kind().bounds_errors();
         let SolverParts { linabf, newton, iterative, barrier, descent } = solver.parts_mut();
         if let Some(linabf) = linabf {
             linabf.passes = self.passes.unwrap_or(linabf.passes);
-            linabf.error_bound = self.error_bound.or(linabf.error_bound);
+            linabf.error_bound = self.error_bound.filter(|_| bounds_errors).or(linabf.error_bound);
         }
         if let Some(newton) = newton {
             newton.wheel = self.wheel.unwrap_or(newton.wheel);
@@ -69,7 +76,6 @@ impl SolverSettings {
         if let Some(descent) = descent {
             descent.barrier_floor = self.barrier_floor.unwrap_or(descent.barrier_floor);
         }
-        Ok(())
     }
 
     fn refuse_void(&self, solver: SolverKind) -> Result<(), VoidSetting> {

@@ -11,7 +11,7 @@ use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
 use abf::{
     Boundary, FlattenError, GuessSettings, LayoutSettings, LinAbf, Pins, Pipeline, Relax, Solver, SolverKind,
-    SolverParts, StopCriteria,
+    SolverParts, SolverSettings, StopCriteria,
 };
 use clap::error::ErrorKind;
 use std::fmt;
@@ -136,28 +136,19 @@ fn check_concerns(solvers: &[SolverKind], args: &MethodArgs) -> Result<(), clap:
 /// A solver with the options that concern it.
 fn solver(kind: SolverKind, args: &MethodArgs) -> Solver {
     let mut solver = kind.with_defaults().expect("solvers are named on the command line");
-    let SolverParts { linabf, newton, iterative, barrier, descent, .. } = solver.parts_mut();
-    if let Some(linabf) = linabf {
-        linabf.passes = args.passes.unwrap_or(linabf.passes);
-        linabf.error_bound = args.error_bound.filter(|_| kind.bounds_errors());
-    }
-    if let Some(newton) = newton {
-        newton.wheel = args.wheel.unwrap_or(newton.wheel);
-        newton.hessian = args.hessian.unwrap_or(newton.hessian);
-        newton.line_search = args.line_search.unwrap_or(newton.line_search);
-        newton.inner_tolerance = args.inner_tolerance.map_or(newton.inner_tolerance, |accuracy| accuracy.0);
-    }
-    if let Some(iterative) = iterative {
-        iterative.reduction = args.reduction.unwrap_or(iterative.reduction);
-        iterative.preconditioner = args.preconditioner.unwrap_or(iterative.preconditioner);
-        iterative.max_inner_iterations = args.max_inner_iterations.unwrap_or(iterative.max_inner_iterations);
-    }
-    if let Some(barrier) = barrier {
-        barrier.barrier_floor = args.barrier_floor.unwrap_or(barrier.barrier_floor);
-    }
-    if let Some(descent) = descent {
-        descent.barrier_floor = args.barrier_floor.unwrap_or(descent.barrier_floor);
-    }
+    let settings = SolverSettings {
+        passes: args.passes,
+        error_bound: args.error_bound,
+        barrier_floor: args.barrier_floor,
+        wheel: args.wheel,
+        hessian: args.hessian,
+        line_search: args.line_search,
+        reduction: args.reduction,
+        preconditioner: args.preconditioner,
+        max_inner_iterations: args.max_inner_iterations,
+        inner_tolerance: args.inner_tolerance.map(|accuracy| accuracy.0),
+    };
+    settings.give_what_it_has(&mut solver);
     solver
 }
 
