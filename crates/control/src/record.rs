@@ -27,6 +27,12 @@ impl Termination {
     pub fn is_as_asked(self) -> bool {
         matches!(self, Self::Converged | Self::OnePass)
     }
+
+    /// Whether it was ended from outside, and would have gone on.
+    #[must_use]
+    pub fn is_interruption(self) -> bool {
+        matches!(self, Self::TimeLimit | Self::Cancelled)
+    }
 }
 
 impl fmt::Display for Termination {

@@ -36,7 +36,7 @@ pub(super) fn solve_bounded(
             let budget = TimeBudget::start(&pipeline.stop);
             let free = Pipeline { boundary: Boundary::Free, ..pipeline.clone() };
             let flat = solve(problem, &free, observer)?;
-            if is_interrupted(flat.termination) {
+            if flat.termination.is_interruption() {
                 return Ok(flat);
             }
             let angles = flat.solution.as_ref().map_or(problem.initial_guess(), |solution| solution.angles());
@@ -82,7 +82,7 @@ fn in_rounds(
         };
         let ended = flat.termination;
         // The last round that came to its end is better than half of one.
-        if is_interrupted(ended) {
+        if ended.is_interruption() {
             return Ok(last.map_or(flat, |last| ended_as(ended, last)));
         }
         if !flat.certificate.valid() {
@@ -108,10 +108,6 @@ fn in_rounds(
 
 fn ended_as(termination: Termination, flat: Flattening) -> Flattening {
     Flattening { termination, ..flat }
-}
-
-fn is_interrupted(termination: Termination) -> bool {
-    matches!(termination, Termination::TimeLimit | Termination::Cancelled)
 }
 
 /// The result with what only the rule knows of its boundary.

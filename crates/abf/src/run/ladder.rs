@@ -147,7 +147,7 @@ impl Climb<'_> {
 
     fn attempt(&self, task: &Task<'_>, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         let flat = task.run(observer)?;
-        let is_interrupted = matches!(flat.termination, Termination::TimeLimit | Termination::Cancelled);
+        let is_interrupted = flat.termination.is_interruption();
         let may_choose = !is_interrupted
             && task.given.pipeline.layout.kind == LayoutKind::Auto
             && flat.layout.kind == Some(LayoutKind::Tree);

@@ -2,7 +2,7 @@
 
 use super::task::{Given, Single, Task};
 use crate::{FlattenError, Flattening, PinReport, PrecisionLimits, RelaxReport};
-use abf_control::{Event, Observer, Stage, StopCriteria, Termination, ask};
+use abf_control::{Event, Observer, Stage, StopCriteria, ask};
 use abf_embed::{EmbedError, Pin, PinResidual, Pins, Relax, tutte, vertex_points};
 use abf_mesh::{Point2, UvMap, VertexId};
 
@@ -15,11 +15,7 @@ pub(super) fn relaxed(
     stop: &StopCriteria,
     observer: &mut dyn Observer,
 ) -> Result<Flattening, FlattenError> {
-    if matches!(flat.termination, Termination::TimeLimit | Termination::Cancelled) {
-        return Ok(flat);
-    }
-    ask(observer, Event::StageStarted(Stage::Relax))?;
-    let Some((start, from_tutte)) = start(&given, &flat) else { return Ok(flat) };
+    let Some((start, from_tutte)) = begin(&given, &flat, observer)? else { return Ok(flat) };
     let drawing = relax.solve(given.mesh, given.problem, &start, stop, observer).map_err(FlattenError::of_relaxing)?;
     ask(observer, Event::StageStarted(Stage::Certificate))?;
     let task = Task::new(given, flat.solver, Single::SurfaceAngles);
@@ -59,12 +55,8 @@ pub(super) fn pinned(
     stop: &StopCriteria,
     observer: &mut dyn Observer,
 ) -> Result<Flattening, FlattenError> {
-    if matches!(flat.termination, Termination::TimeLimit | Termination::Cancelled) {
-        return Ok(flat);
-    }
-    ask(observer, Event::StageStarted(Stage::Relax))?;
+    let Some((start, _)) = begin(&given, &flat, observer)? else { return Ok(flat) };
     let relax = given.pipeline.relax.unwrap_or_default();
-    let Some((start, _)) = start(&given, &flat) else { return Ok(flat) };
     // A power of two moves no bit.
     let scaled = |pin: &Pin| Pin { uv: pin.uv.map(|x| x * given.scale), ..*pin };
     let scaled = Pins { pins: pins.pins.iter().map(scaled).collect() };
@@ -102,11 +94,18 @@ pub(super) fn pinned(
     })
 }
 
-/// Where to start from: the map of the solver if it is valid, else Tutte's embedding, and whether it is that.
-fn start(given: &Given<'_>, flat: &Flattening) -> Option<(Vec<Point2<f64>>, bool)> {
+/// Where to start from: the map of the solver if it is valid, else Tutte's embedding, and whether it is that. `None` after an
+/// interruption, and where there is neither.
+fn begin(given: &Given<'_>, flat: &Flattening, observer: &mut dyn Observer) -> Result<Option<Start>, FlattenError> {
+    if flat.termination.is_interruption() {
+        return Ok(None);
+    }
+    ask(observer, Event::StageStarted(Stage::Relax))?;
     let own = upright(given, flat).map(|points| (points, false));
-    own.or_else(|| Some((tutte(given.mesh, given.problem.topology()).ok()?.uv, true)))
+    Ok(own.or_else(|| Some((tutte(given.mesh, given.problem.topology()).ok()?.uv, true))))
 }
+
+type Start = (Vec<Point2<f64>>, bool);
 
 /// The points of a valid map that is not mirrored, as large as the mesh that is worked on.
 fn upright(given: &Given<'_>, flat: &Flattening) -> Option<Vec<Point2<f64>>> {

@@ -118,7 +118,7 @@ impl Component<'_, '_> {
         if self.fits(&whole) {
             return Ok(Some(Attempt::Done(vec![whole], Vec::new())));
         }
-        if matches!(whole.termination, Termination::Cancelled | Termination::TimeLimit) {
+        if whole.termination.is_interruption() {
             let last = whole.metrics.valid().then(|| Box::new(whole.clone()));
             return Ok(Some(Attempt::Interrupted(whole.termination, last)));
         }

@@ -95,16 +95,7 @@ impl Relax {
         watch.checkpoint()?;
         let uv = scaled_by(topology, uv, energies.isometric.best_scale(topology, start));
         let directions = Directions::new(topology, &[crowded], &mut || watch.checkpoint())?;
-        let mut run = Run {
-            topology,
-            uv,
-            directions,
-            steps: Vec::new(),
-            reported: Vec::new(),
-            tolerance: self.energy_tolerance,
-            max_steps: self.max_steps,
-            unit: mesh.area().sqrt(),
-        };
+        let mut run = Run::new(self, topology, uv, directions, mesh.area());
         let terms = energies.terms(topology, &[]);
         let energy_before = terms.without_barrier(&run.uv);
         if self.energy != Energy::Abf {

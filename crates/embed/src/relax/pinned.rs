@@ -166,20 +166,18 @@ impl Pinned<'_> {
             let springs = self.springs(weight, |_| true);
             let terms = energies.terms(self.topology, &springs);
             drawing.termination = run.descend(&terms, watch)?;
-            let is_interrupted = matches!(drawing.termination, Termination::TimeLimit | Termination::Cancelled);
-            if is_interrupted || self.are_near(&run.uv) {
+            if drawing.termination.is_interruption() || self.are_near(&run.uv) {
                 break;
             }
         }
         drawing.uv = run.uv.iter().map(|p| p / self.unit).collect();
-        let is_interrupted = matches!(drawing.termination, Termination::TimeLimit | Termination::Cancelled);
         put(self.topology, &mut drawing.uv, self.pins, NEAR * self.area.sqrt() / self.unit);
         let is_there = |pin: &&Pin| pin.is_hard() && drawing.uv[pin.vertex as usize] == place(pin);
         let held: Vec<VertexId> = self.pins.iter().filter(is_there).map(vertex).collect();
         let mut is_held = vec![false; self.topology.vertex_count()];
         held.iter().for_each(|v| is_held[v.index()] = true);
         let mut steps = std::mem::take(&mut run.steps);
-        if !held.is_empty() && !is_interrupted {
+        if !held.is_empty() && !drawing.termination.is_interruption() {
             // The others follow, with those that are there held.
             let mut last = self.run(drawing.uv.iter().map(|p| p * self.unit).collect(), &held, watch)?;
             last.max_steps = self.relax.max_steps.saturating_sub(steps.len()).max(1);
@@ -206,16 +204,8 @@ impl Pinned<'_> {
     }
 
     fn run(&self, uv: Vec<Point2<f64>>, held: &[VertexId], watch: &mut Watch<'_>) -> Result<Run<'_>, EmbedError> {
-        Ok(Run {
-            topology: self.topology,
-            uv,
-            directions: Directions::new(self.topology, held, &mut || watch.checkpoint())?,
-            steps: Vec::new(),
-            reported: Vec::new(),
-            tolerance: self.relax.energy_tolerance,
-            max_steps: self.relax.max_steps,
-            unit: self.area.sqrt(),
-        })
+        let directions = Directions::new(self.topology, held, &mut || watch.checkpoint())?;
+        Ok(Run::new(self.relax, self.topology, uv, directions, self.area))
     }
 
     /// Hard pins with this weight, soft ones with their own.

@@ -1,5 +1,6 @@
 //! The steps of a relaxation.
 
+use super::settings::Relax;
 use super::terms::{Direction, Directions, Terms};
 use crate::plane::{angles, of_face};
 use abf_control::{Cancelled, IterationRecord, Termination, Watch};
@@ -62,7 +63,19 @@ pub(crate) enum Outcome {
     Stuck,
 }
 
-impl Run<'_> {
+impl<'r> Run<'r> {
+    /// A drawing of a surface with this area.
+    pub(crate) fn new(
+        relax: &Relax,
+        topology: &'r Topology,
+        uv: Vec<Point2<f64>>,
+        directions: Directions,
+        area: f64,
+    ) -> Self {
+        let (tolerance, max_steps, unit) = (relax.energy_tolerance, relax.max_steps, area.sqrt());
+        Self { topology, uv, directions, steps: Vec::new(), reported: Vec::new(), tolerance, max_steps, unit }
+    }
+
     /// Steps until there is nothing more to gain.
     pub(crate) fn descend(&mut self, terms: &Terms<'_>, watch: &mut Watch<'_>) -> Result<Termination, Cancelled> {
         loop {
