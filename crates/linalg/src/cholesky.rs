@@ -7,7 +7,8 @@ use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::solvers::LltError;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    self as faer_cholesky, CholeskySymbolicParams, LltRef, SymmetricOrdering, factorize_symbolic_cholesky,
+    self as faer_cholesky, CholeskySymbolicParams, LltRef, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{FaerError, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
@@ -62,6 +63,20 @@ impl SymbolicCholesky {
     #[must_use]
     pub fn factor_len(&self) -> usize {
         self.symbolic.len_val()
+    }
+
+    /// Multiplications of a factorisation: `Σ c²` over the lengths `c` of the factor's columns.
+    #[must_use]
+    pub fn flops(&self) -> f64 {
+        // A matrix without unknowns is the one case that faer does not treat by supernodes.
+        let SymbolicCholeskyRaw::Supernodal(raw) = self.symbolic.raw() else { return 0.0 };
+        let rows = raw.col_ptr_for_row_idx();
+        let of_supernode = |s: usize| {
+            let wide = raw.supernode_end()[s] - raw.supernode_begin()[s];
+            let below = f64::from(rows[s + 1] - rows[s]);
+            (1..=wide).map(|columns| (below + f64::from(columns)).powi(2)).sum::<f64>()
+        };
+        (0..raw.n_supernodes()).map(of_supernode).sum()
     }
 
     /// Factorises one matrix of this pattern.

@@ -2,7 +2,8 @@
 //!
 //! Everything the solvers and layouts need of a linear system, and nothing about meshes:
 //!
-//! * [`Graph`] and [`Permutation`]: a fill-reducing ordering of the unknowns.
+//! * [`Graph`] and [`Permutation`]: a fill-reducing ordering of the unknowns, by minimum degree or nested dissection;
+//!   [`Analysis`] keeps the cheaper.
 //! * [`SymmetricPattern`] and [`SymmetricMatrix`]: the lower triangle of a symmetric (real) or
 //!   Hermitian (complex) matrix, compressed by columns.
 //! * [`SymbolicCholesky`]: the analysis, done once for a pattern; the numbers, done many times, are
@@ -19,6 +20,8 @@
 //!
 //! No other crate of the workspace names faer.
 
+mod analysis;
+mod bisection;
 mod cholesky;
 mod graph;
 mod indefinite;
@@ -36,6 +39,7 @@ mod test_support;
 pub mod vector;
 
 use abf_control::Cancelled;
+pub use analysis::Analysis;
 pub use cholesky::{Cholesky, SymbolicCholesky};
 pub use graph::{Graph, Parts, Permutation};
 pub use indefinite::Indefinite;

@@ -22,7 +22,7 @@ use crate::wheels::{Block, Given, Spokes, back_substitute, vertex_block, wheel_b
 use crate::{DirectStep, KktStep, KktSystem, KktVector, LinearError, StepError, StepReport};
 use abf_constraints::{ConstraintRows, WheelDerivative};
 use abf_control::{Checkpoint, Watch};
-use abf_linalg::{Parts, Permutation, SingleCholesky, SymbolicCholesky};
+use abf_linalg::{Analysis, Parts, Permutation, SingleCholesky, SymbolicCholesky};
 use abf_mesh::Topology;
 use abf_parallel::prelude::*;
 use solve::Solve;
@@ -100,12 +100,7 @@ impl LeastCorrection {
             },
         );
         checkpoint()?;
-        let (order, parts) = graph.in_parts(&order?);
-        checkpoint()?;
-        let pattern = abf_linalg::SymmetricPattern::of_blocks(&graph, &order, 1);
-        checkpoint()?;
-        let symbolic = SymbolicCholesky::analyse(Arc::new(pattern))?;
-        checkpoint()?;
+        let Analysis { order, parts, symbolic } = Analysis::cheaper(&graph, &order?, checkpoint)?;
         Ok(Self {
             lambda,
             inverse,

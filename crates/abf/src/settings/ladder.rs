@@ -11,21 +11,21 @@ use abf_solve_linabf::LinAbf;
 pub struct Ladder {
     /// The first.
     pub linabf: LinAbf,
-    /// The second. It makes 25 iterations at most: if it converges at all, about a dozen are enough.
-    pub newton: AbfNewton,
-    /// The third.
-    pub barrier: Barrier,
-    /// The last. It never leaves the valid drawings.
+    /// The second. It never leaves the valid drawings.
     pub descent: Descent,
+    /// The third. It makes 25 iterations at most: if it converges at all, about a dozen are enough.
+    pub newton: AbfNewton,
+    /// The last.
+    pub barrier: Barrier,
 }
 
 impl Default for Ladder {
     fn default() -> Self {
         Self {
             linabf: LinAbf::default(),
+            descent: Descent::default(),
             newton: AbfNewton::fixed_target(),
             barrier: Barrier::default(),
-            descent: Descent::default(),
         }
     }
 }

@@ -116,7 +116,7 @@ pub(crate) enum Command {
 pub(crate) struct FlattenArgs {
     #[arg(value_name = "MESH", help = format!("The meshes: {}. None: the built-in mask of 20 000 triangles", read("or")))]
     pub(crate) meshes: Vec<PathBuf>,
-    /// The method: auto (linabf, abf-fixed-target, barrier, descent in turn, until a result is proved valid), linabf, abf,
+    /// The method: auto (linabf, descent, abf-fixed-target, barrier in turn, until a result is proved valid), linabf, abf,
     /// abf++, abf-newton, abf-fixed-target, uzawa, minres, habf++, hlinabf, barrier, descent or lscm; several with commas, or
     /// all, are compared
     #[arg(long, value_name = "NAME|all", default_value_t)]
