@@ -4,7 +4,7 @@ use crate::settings::SolverKind;
 use abf_constraints::ProblemError;
 use abf_control::Cancelled;
 use abf_embed::{EmbedError, PinError};
-use abf_mesh::{DiskError, GeometryError, TopologyError};
+use abf_mesh::{DiskError, FaceId, GeometryError, TopologyError};
 use abf_metrics::MetricsError;
 use abf_reconstruct::{LayoutError, LayoutKind};
 use abf_solve_core::SolveError;
@@ -48,6 +48,15 @@ pub enum FlattenError {
     /// Pins that no map of the mesh can have.
     #[error("the pins do not fit the mesh")]
     Pins(#[source] PinError),
+    /// A chart of a map could not be relaxed.
+    #[error("the chart of face {face} could not be relaxed")]
+    RelaxChart {
+        /// Its first face.
+        face: FaceId,
+        /// Why; what it counts is counted in the chart.
+        #[source]
+        source: Box<Self>,
+    },
     /// Pins say where the map is.
     #[error("pins do not go with {0}")]
     PinsElsewhere(&'static str),

@@ -115,6 +115,33 @@ pub struct PinReport {
     pub residuals: Vec<PinResidual>,
 }
 
+/// A map that was there, relaxed.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RelaxedMap {
+    /// The map, in the precision asked for. Where vertices of the map given had one place it has one point.
+    pub uv: UvMap,
+    /// What is proved of it.
+    pub certificate: Certificate,
+    /// How relaxing ended; of several charts the first end that was not as asked. [`Termination::Stalled`], too, where a
+    /// chart stays as it was because it is not valid, and has no valid map to start from.
+    pub termination: Termination,
+    /// The chart of every face, numbered by first appearance.
+    pub chart_of_face: Vec<usize>,
+    /// What relaxing did to every chart; `None` for one that stays as it was.
+    pub charts: Vec<Option<RelaxReport>>,
+    /// What became of pins; `None` where there are none, or there was no map or no time for them.
+    pub pinned: Option<PinReport>,
+}
+
+impl RelaxedMap {
+    /// Whether this is what was asked for: a valid map, every chart relaxed.
+    #[must_use]
+    pub fn is_certified(&self) -> bool {
+        self.certificate.valid() && self.termination.is_as_asked()
+    }
+}
+
 /// What one solver of the ladder [`SolverKind::Auto`] came to.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]

@@ -52,7 +52,9 @@ pub use atlas::{
     Atlas, AtlasError, AtlasPages, NarrowPlace, Packed, Parted, Parting, Placement, Repack, Repacked, Stored,
 };
 pub use error::FlattenError;
-pub use flattening::{BoundaryReport, Flattening, HierarchyReport, LayoutReport, PinReport, RelaxReport, RungReport};
+pub use flattening::{
+    BoundaryReport, Flattening, HierarchyReport, LayoutReport, PinReport, RelaxReport, RelaxedMap, RungReport,
+};
 pub use judge::{JudgeError, JudgeSettings, Judgement, judge};
 pub use pattern::{Developed, Laid, Orient, Pattern};
 pub use precision_limits::PrecisionLimits;

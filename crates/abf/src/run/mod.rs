@@ -6,6 +6,7 @@ mod corners;
 mod ladder;
 mod levels;
 mod relax;
+mod relax_map;
 mod task;
 mod thin;
 

@@ -197,7 +197,7 @@ impl<'t> Task<'t> {
         Ok(Certified { uv, certificate })
     }
 
-    fn flattening(
+    pub(super) fn flattening(
         &self,
         certified: Certified,
         solution: Option<AngleSolution>,
