@@ -18,6 +18,12 @@ _EFFORTS = [
     ("good", "Good", "About a second"),
     ("best", "Best", "Several seconds"),
 ]
+_ENERGIES = [
+    ("none", "As Solved", "Nothing is moved after the method"),
+    ("usable", "Usable", "Angles first, and areas within bounds"),
+    ("isometric", "Lengths", "Lengths are kept: for fabric, and for textures whose size counts"),
+    ("abf", "Angles", "The errors of angles alone"),
+]
 
 
 class UV_OT_abf_unwrap(bpy.types.Operator):
@@ -28,6 +34,9 @@ class UV_OT_abf_unwrap(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     method: EnumProperty(name="Method", items=_METHODS, default="auto")
+    energy: EnumProperty(
+        name="Relax", description="What is to be little in each chart, after the method", items=_ENERGIES, default="none"
+    )
     use_seams: BoolProperty(
         name="Keep Marked Seams",
         description="Charts end at the marked seams; what these leave is cut further only where it has to be",
@@ -50,6 +59,7 @@ class UV_OT_abf_unwrap(bpy.types.Operator):
     def execute(self, context):
         settings = Settings(
             solver=self.method,
+            energy=None if self.energy == "none" else self.energy,
             use_seams=self.use_seams,
             mark_seams=self.mark_seams,
             max_stretch=self.max_stretch,
@@ -84,7 +94,7 @@ class UV_OT_abf_unwrap(bpy.types.Operator):
     def draw(self, _context):
         layout = self.layout
         layout.use_property_split = True
-        for name in ("method", "use_seams", "mark_seams", "max_stretch", "resolution", "margin", "pack"):
+        for name in ("method", "energy", "use_seams", "mark_seams", "max_stretch", "resolution", "margin", "pack"):
             layout.prop(self, name)
 
 

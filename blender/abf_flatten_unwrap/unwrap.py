@@ -16,6 +16,7 @@ class Settings:
     """What the operator was told."""
 
     solver: str = "auto"
+    energy: "str | None" = None
     use_seams: bool = True
     mark_seams: bool = False
     max_stretch: float = 1.15
@@ -67,6 +68,7 @@ def unwrap_mesh(mesh, settings, selected_only, scale=(1.0, 1.0, 1.0)):
             positions[used],
             rows.reshape(-1, 3),
             solver=settings.solver,
+            energy=settings.energy,
             seams=seams if len(seams) else "auto",
             max_stretch=settings.max_stretch,
             resolution=settings.resolution,

@@ -115,6 +115,19 @@ def test_a_cube_and_a_torus_without_seams_are_one_chart_each():
         assert charts(mesh) == 1, primitive
 
 
+def test_charts_are_relaxed_on_request():
+    import abf_flatten
+
+    mesh = fresh("torus")
+    stretches = []
+    for energy in ("none", "isometric"):
+        assert bpy.ops.uv.abf_unwrap(energy=energy) == {"FINISHED"}
+        positions, vertices, loops = corners(mesh)
+        stretches.append(abf_flatten.metrics(positions, vertices, uvs(mesh), loops).stretch_l2)
+        assert certificate(mesh).injective, energy
+    assert stretches[1] < stretches[0], stretches
+
+
 def test_marked_seams_are_kept_or_not_as_asked():
     mesh = fresh("cylinder", vertices=16)
     # The rims of both caps.

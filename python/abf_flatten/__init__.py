@@ -7,7 +7,7 @@
 ((5, 2), True)
 
 `flatten` takes a disk. `unwrap` takes any mesh and makes an atlas. `metrics` and `certify` judge UVs that anybody
-made. `pack` lays out the islands of UVs anew. `read` and `write` are for mesh files. `abf_flatten.xatlas` has the
+made; `relax` makes them better. `pack` lays out the islands of UVs anew. `read` and `write` are for mesh files. `abf_flatten.xatlas` has the
 names of the package `xatlas`.
 
 Every function releases the interpreter's lock while it works, may be called from several threads at once, hears Ctrl-C,
@@ -34,7 +34,19 @@ from ._files import parse, read, write
 from ._flatten import flatten
 from ._judge import certify, metrics
 from ._pack import pack
-from ._results import Certificate, Flattening, MeshFile, Metrics, Packed, Progress, Unwrapped
+from ._relax import relax
+from ._results import (
+    Certificate,
+    Flattening,
+    MeshFile,
+    Metrics,
+    Packed,
+    PinReport,
+    Progress,
+    Relaxed,
+    RelaxReport,
+    Unwrapped,
+)
 from ._unwrap import unwrap
 
 # Calls of daemon threads end before the interpreter does.
@@ -51,7 +63,10 @@ __all__ = [
     "NoResultError",
     "NotADiskError",
     "Packed",
+    "PinReport",
     "Progress",
+    "RelaxReport",
+    "Relaxed",
     "SettingError",
     "ShapeError",
     "TopologyError",
@@ -63,6 +78,7 @@ __all__ = [
     "pack",
     "parse",
     "read",
+    "relax",
     "solvers",
     "unwrap",
     "write",

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._abf import GeometryError, ShapeError
 from ._results import Progress
-from ._types import Indices, Mapped, OnProgress, Reals
+from ._types import Indices, Mapped, OnProgress, Pins, Reals
 
 
 def reals(given: ArrayLike, name: str, columns: int) -> NDArray[np.float64]:
@@ -62,6 +62,24 @@ def labels(given: ArrayLike | None, name: str) -> NDArray[np.uint32] | None:
         raise TypeError(f"{name} must be whole numbers or names, got an array of {array.dtype}")
     numbers: NDArray[np.uint32] = np.unique(array, return_inverse=True)[1].reshape(-1).astype(np.uint32)
     return numbers
+
+
+def pins_of(given: Pins | None) -> list[tuple[int, tuple[float, float], float | None]] | None:
+    """Pins for the native part: the vertex, its place, and its weight where it is soft."""
+    if given is None:
+        return None
+    if not isinstance(given, Mapping):
+        raise TypeError(f"pins must be a dict of vertices with their places, got {type(given).__name__}")
+    pins = []
+    for vertex, place in given.items():
+        try:
+            numbers = [float(x) for x in place]
+        except (TypeError, ValueError):
+            raise TypeError(f"pins[{vertex!r}] must be (u, v) or (u, v, weight), got {place!r}") from None
+        if len(numbers) not in (2, 3):
+            raise ShapeError(f"pins[{vertex!r}] must be (u, v) or (u, v, weight), got {len(numbers)} numbers")
+        pins.append((vertex, (numbers[0], numbers[1]), numbers[2] if len(numbers) == 3 else None))
+    return pins
 
 
 def teller(progress: OnProgress | None) -> Any:

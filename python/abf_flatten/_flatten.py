@@ -8,13 +8,15 @@ from typing import Literal
 from numpy.typing import ArrayLike
 
 from . import _abf
-from ._arrays import mesh, settings_of, teller
-from ._results import Flattening, with_metrics
+from ._arrays import mesh, pins_of, settings_of, teller
+from ._results import Flattening, with_reports
 from ._types import (
+    Energy,
     Hessian,
     Layout,
     LineSearch,
     OnProgress,
+    Pins,
     Preconditioner,
     Reduction,
     Solver,
@@ -31,6 +33,8 @@ def flatten(
     layout: Layout = "auto",
     normalize: bool = False,
     boundary: str | Mapping[int, float] = "free",
+    energy: Energy | None = None,
+    pins: Pins | None = None,
     zero_area: ZeroArea = "carry",
     time_limit: float | None = None,
     max_memory: int | None = None,
@@ -61,6 +65,11 @@ def flatten(
         normalize: Whether UVs are scaled into the unit square. Otherwise they have the area of the surface.
         boundary: What the boundary is to be: "free", "convex", "below-2pi[=EPS]", "rectangle[=v0,v1,v2,v3]" with vertices
             as corners, "circle", or a dict with the angles of vertices, rad. "auto", "linabf" and "barrier" keep it.
+        energy: Relax the map after the solver until an energy is least: "abf" (angles), "isometric" (lengths), "usable"
+            (angles, and areas within bounds), or the weight of areas beside angles; "usable" is 0.01. Not with `boundary`.
+        pins: Vertices in given places: a dict from vertices to (u, v), or (u, v, weight) where the place need not be met.
+            One or two are met by moving, turning and scaling the map, more by moving the others with `energy`, or
+            "isometric". Not with `boundary` or `normalize`.
         zero_area: What becomes of faces without area: a place like all others, or an error.
         time_limit: Seconds, for all solvers together; then the best there is comes back.
         max_memory: Bytes. A mesh for which more is predicted is refused, before any is taken.
@@ -80,7 +89,7 @@ def flatten(
         GeometryError: No faces, a coordinate that is not finite, or an index of no vertex.
         TopologyError: Faces that form no oriented manifold.
         NotADiskError: A manifold that is no disk.
-        SettingError: A setting outside its range.
+        SettingError: A setting outside its range, or pins that no map of the mesh can have.
         NoResultError: No solver found a map.
         MemoryError: More than `max_memory` is predicted.
 
@@ -89,6 +98,8 @@ def flatten(
     >>> flat = abf_flatten.flatten(square, [[0, 1, 2], [0, 2, 3]])
     >>> flat.uv.round(9).tolist(), bool(flat.certificate)
     ([[0.0, 0.0], [0.707106781, -0.707106781], [1.414213562, 0.0], [0.707106781, 0.707106781]], True)
+    >>> abf_flatten.flatten(square, [[0, 1, 2], [0, 2, 3]], pins={0: (0, 0), 1: (5, 0)}).uv.round(9).tolist()
+    [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0], [0.0, 5.0]]
     """
     arguments = locals()
     settings = settings_of(arguments, "vertices", "faces", "progress")
@@ -97,4 +108,5 @@ def flatten(
         settings["boundary"] = None
     elif isinstance(boundary, Mapping):
         settings["boundary"] = dict(boundary)
-    return Flattening(**with_metrics(_abf.flatten(*mesh(vertices, faces), settings, teller(progress))))
+    settings["pins"] = pins_of(pins)
+    return Flattening(**with_reports(_abf.flatten(*mesh(vertices, faces), settings, teller(progress))))

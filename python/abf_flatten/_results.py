@@ -80,7 +80,7 @@ class Metrics:
 class Progress:
     """How far a call is. `done` of `total` faces are finished: `unwrap` counts, `flatten` says it at the end only."""
 
-    #: What is being done: "topology", "solve", "layout", "certificate"; "done" at the end.
+    #: What is being done: "topology", "solve", "layout", "relax", "certificate"; "done" at the end.
     stage: str
     #: Which solver of `auto` it is, once one has begun.
     solver: str | None
@@ -90,6 +90,40 @@ class Progress:
     #: Faces in finished charts, of how many.
     done: int
     total: int
+
+
+@dataclass(frozen=True)
+class RelaxReport:
+    """What relaxing a map did."""
+
+    #: Which energy, for a surface of area 1: its name, or the weight of areas.
+    energy: str
+    #: What it was before, and at the end, each at the scale at which it is least.
+    before: float
+    after: float
+    #: How many steps it took, and how many of these went for shapes within reach.
+    steps: int
+    progressive_steps: int
+    #: Whether it started from Tutte's embedding, because the map was not valid.
+    from_tutte: bool
+
+
+@dataclass(frozen=True)
+class PinReport:
+    """What became of pins. It is true if all that must be met are."""
+
+    #: Which energy moved the other vertices, and what it is at the end.
+    energy: str
+    after: float
+    #: How many steps it took; none for a similarity.
+    steps: int
+    #: The vertices that must be in their places and are not.
+    missed: list[int]
+    #: How far each vertex is from its place, in units of the UVs.
+    distances: dict[int, float] = field(repr=False)
+
+    def __bool__(self) -> bool:
+        return not self.missed
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +153,9 @@ class Flattening(Judged):
     certified: bool
     #: The solvers that `auto` tried, in order.
     tried: list[str] = field(repr=False)
+    #: What `energy` did, and what became of `pins`; None where they were not asked for, or there was no map or no time.
+    relaxed: RelaxReport | None = field(repr=False, default=None)
+    pinned: PinReport | None = field(repr=False, default=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,9 +193,31 @@ class Unwrapped(Judged):
     certified: bool
     #: How many charts there was no time to finish; they are valid, and may miss the aim.
     unfinished: int
+    #: How many steps `energy` took, all charts together.
+    relax_steps: int
 
     def __iter__(self) -> Iterator[NDArray[Any]]:
         return iter((self.vmapping, self.indices, self.uvs))
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxed(Judged):
+    """A map that was there, relaxed."""
+
+    #: (n, 2) float64, one row per vertex; or (k, 2) with `uv_faces`, where that was given.
+    uv: NDArray[np.float64] = field(repr=False)
+    #: (m, 3) uint32: the row of `uv` of every corner. None: that of its vertex.
+    uv_faces: NDArray[np.uint32] | None = field(repr=False)
+    #: How it ended: of several charts the first end that was not as asked.
+    termination: str
+    #: Valid UVs, every chart relaxed.
+    certified: bool
+    #: (m,) int32: the chart of every face.
+    chart_of_face: NDArray[np.int32] = field(repr=False)
+    #: What was done to each chart; None for one that stays as it was.
+    charts: list[RelaxReport | None] = field(repr=False)
+    #: What became of `pins`.
+    pinned: PinReport | None = field(repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,6 +257,18 @@ class MeshFile:
 def metrics_of(known: dict[str, Any]) -> Metrics:
     """The dict of the native part as what it stands for."""
     return Metrics(**{**known, "certificate": Certificate(**known["certificate"])})
+
+
+def with_reports(known: dict[str, Any]) -> dict[str, Any]:
+    """The dict with what relaxing and pins came to as what it stands for."""
+    known = with_metrics(known)
+    if known.get("relaxed") is not None:
+        known["relaxed"] = RelaxReport(**known["relaxed"])
+    if known.get("charts") is not None:
+        known["charts"] = [report and RelaxReport(**report) for report in known["charts"]]
+    if known["pinned"] is not None:
+        known["pinned"] = PinReport(**known["pinned"])
+    return known
 
 
 def with_metrics(known: dict[str, Any]) -> dict[str, Any]:

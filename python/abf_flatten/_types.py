@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal, Optional, Union
 
 import numpy as np
@@ -45,4 +45,8 @@ Effort = Literal["fast", "good", "best"]
 Precision = Literal["single", "double"]
 InnerMargin = Literal["count", "keep"]
 Overlap = Literal["refuse", "allow"]
+#: What is to be little in a map; a number is the weight of areas beside angles.
+Energy = Union[Literal["abf", "isometric", "usable"], float]
+#: Vertices with their places: (u, v), or (u, v, weight) where the place need not be met.
+Pins = Mapping[int, Sequence[float]]
 OnProgress = Callable[["Progress"], object]

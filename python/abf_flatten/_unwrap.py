@@ -12,6 +12,7 @@ from ._results import Unwrapped, with_metrics
 from ._types import (
     DoubleSided,
     Effort,
+    Energy,
     Hessian,
     Holes,
     InnerMargin,
@@ -36,6 +37,7 @@ def unwrap(
     solver: Solver = "auto",
     layout: Layout = "auto",
     zero_area: ZeroArea = "carry",
+    energy: Energy | None = None,
     seams: Literal["auto", "keep"] | ArrayLike | None = None,
     uv: ArrayLike | None = None,
     uv_faces: ArrayLike | None = None,
@@ -88,6 +90,7 @@ def unwrap(
         vertices: (n, 3) real numbers, in any unit.
         faces: (m, 3) whole numbers from 0 to n - 1.
         solver, layout, zero_area: As for `flatten`.
+        energy: As for `flatten`: each chart is relaxed, and its stretch after that counts.
         seams: Where charts end. "auto": where the map stretches. "keep": at the seams of `uv`, and where `materials`
             changes. An (s, 2) array: there, and at these edges, each given by its two vertices. What seams leave is
             cut further only where it is no disk, or misses the aim. None is "auto", and "keep" for pages per material.

@@ -2,7 +2,7 @@
 
     python interrupt.py SIDE SECONDS [SOLVER...]
 
-SIDE² vertices; the signal comes after a part of the time that the whole call takes, for several parts. The last word
+SIDE² vertices; "relax" is `relax` of a map instead of a solver. The signal comes after a part of the time that the whole call takes, for several parts. The last word
 printed is the worst.
 """
 
@@ -36,7 +36,10 @@ def latency(mesh: Any, solver: Any, after: float) -> float | None:
     other.start()
     try:
         try:
-            abf.flatten(*mesh, solver=solver)
+            if solver == "relax":
+                abf.relax(*mesh, mesh[0][:, :2])
+            else:
+                abf.flatten(*mesh, solver=solver)
         except KeyboardInterrupt:
             return time.process_time() - sent[0]
         ended.set()
@@ -52,6 +55,8 @@ def latency(mesh: Any, solver: Any, after: float) -> float | None:
 
 
 def main() -> None:
+    # A job in the background of a shell ignores the signal.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     side, solvers = int(sys.argv[1]), sys.argv[3:] or ["linabf", "abf-fixed-target", "descent"]
     mesh = bumpy(side)
     worst = 0.0

@@ -123,6 +123,25 @@ SETTINGS: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"boundary": "convex", "solver": "linabf", "error_bound": 0.5}, abf.SettingError, "does not go with"),
     ({"error_bound": 2.0, "solver": "linabf"}, abf.SettingError, "error_bound must be in"),
     ({"error_bound": 0.5}, abf.SettingError, "error_bound means nothing to the solver 'auto'"),
+    ({"energy": "little"}, abf.SettingError, "energy must be abf, isometric, usable or a positive number, got 'little'"),
+    ({"energy": -1.0}, abf.SettingError, "energy must be abf"),
+    ({"energy": math.nan}, abf.SettingError, "energy must be abf"),
+    ({"energy": [1.0]}, TypeError, "energy"),
+    ({"energy": "usable", "boundary": "convex"}, abf.SettingError, "moves the boundary"),
+    ({"pins": [1.0]}, TypeError, "pins must be a dict of vertices"),
+    ({"pins": {0: 1.0}}, TypeError, r"pins\[0\] must be \(u, v\) or \(u, v, weight\), got 1.0"),
+    ({"pins": {0: "here"}}, TypeError, r"pins\[0\]"),
+    ({"pins": {0: (1.0,)}}, abf.ShapeError, r"pins\[0\] must be \(u, v\) or \(u, v, weight\), got 1 numbers"),
+    ({"pins": {"a": (1.0, 2.0)}}, TypeError, "pins"),
+    ({"pins": {1.5: (1.0, 2.0)}}, TypeError, "pins"),
+    ({"pins": {-1: (1.0, 2.0)}}, abf.SettingError, "pins"),
+    ({"pins": {4: (1.0, 2.0)}}, abf.SettingError, "there is no vertex 4: the mesh has 4"),
+    ({"pins": {0: (math.nan, 2.0)}}, abf.SettingError, "the pin of vertex 0 has a number that is not finite"),
+    ({"pins": {0: (1.0, 2.0, 0.0)}}, abf.SettingError, "the pin of vertex 0"),
+    ({"pins": {0: (0, 0), 1: (0, 0)}}, abf.SettingError, "all 2 hard pins are in one place"),
+    ({"pins": {0: (0, 0), 2: (1, 0), 1: (0, 1)}}, abf.SettingError, "turn face 0 over"),
+    ({"pins": {0: (0, 0)}, "normalize": True}, abf.SettingError, "pins do not go with normalize"),
+    ({"pins": {0: (0, 0)}, "boundary": "circle"}, abf.SettingError, "pins do not go with a boundary rule"),
     ({"progress": 3}, TypeError, "progress must be callable"),
     ({"speed": 3}, TypeError, "speed"),
 ]
@@ -134,8 +153,33 @@ def test_every_wrong_setting_has_its_exception(settings: dict[str, Any], error: 
         abf.flatten(V, F, **settings)
 
 
+RELAXING: list[tuple[dict[str, Any], type[Exception], str]] = [
+    ({"energy": 0.0}, abf.SettingError, "energy"),
+    ({"time_limit": -1.0}, abf.SettingError, "time_limit"),
+    ({"max_memory": 1000}, MemoryError, "the limit is 1.0 kB"),
+    ({"threads": 0}, abf.SettingError, "threads"),
+    ({"pins": {9: (0, 0)}}, abf.SettingError, "there is no vertex 9"),
+    ({"solver": "auto"}, TypeError, "solver"),
+    ({"progress": 3}, TypeError, "progress must be callable"),
+    ({"uv": UV[:3]}, abf.ShapeError, "uv must have a row for each of the 4 vertices"),
+    ({"uv": V}, abf.ShapeError, r"uv must have shape \(n, 2\)"),
+    ({"uv": UV + math.inf}, abf.GeometryError, "row 0 of uv is not finite"),
+    ({"uv_faces": F + 2}, abf.GeometryError, "4 UVs"),
+    ({"faces": [[0, 1, 2], [0, 1, 3]]}, abf.TopologyError, "edge"),
+    ({"uv": np.arange(12.0).reshape(6, 2), "uv_faces": [[0, 1, 2], [3, 4, 5]], "pins": {0: (0, 0)}}, abf.SettingError, "seams"),
+]
+
+
+@pytest.mark.parametrize(("given", "error", "text"), RELAXING, ids=[str(s[0])[:60] for s in RELAXING])
+def test_every_wrong_map_to_relax_has_its_exception(given: dict[str, Any], error: type[Exception], text: str) -> None:
+    with pytest.raises(error, match=text):
+        abf.relax(**{"vertices": V, "faces": F, "uv": UV, **given})
+
+
 UNWRAPPING: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"max_stretch": 0.5}, abf.SettingError, "max_stretch must be at least 1, got 0.5"),
+    ({"energy": "little"}, abf.SettingError, "energy"),
+    ({"pins": {0: (0, 0)}}, TypeError, "pins"),
     ({"max_stretch": math.nan}, abf.SettingError, "max_stretch"),
     ({"max_seam": -1.0}, abf.SettingError, "max_seam"),
     ({"max_chart_length": 0.5}, abf.SettingError, "max_chart_length"),

@@ -15,7 +15,7 @@ from conftest import Mesh, bumpy
 from numpy.typing import NDArray
 
 
-@pytest.mark.parametrize("name", ["__init__", "_flatten", "_unwrap", "_judge", "_pack", "_files"])
+@pytest.mark.parametrize("name", ["__init__", "_flatten", "_unwrap", "_relax", "_judge", "_pack", "_files"])
 def test_the_examples_in_the_docstrings_run(name: str) -> None:
     module = importlib.import_module("abf_flatten" if name == "__init__" else f"abf_flatten.{name}")
     ran = doctest.testmod(module)
@@ -78,6 +78,68 @@ def test_the_boundary_is_what_is_asked_for(disk: Mesh) -> None:
         turn = np.arccos(one @ other / np.linalg.norm(one) / np.linalg.norm(other))
         assert turn == pytest.approx(np.pi / 2, abs=1e-4)
     assert np.array_equal(abf.flatten(*disk, solver="lscm", boundary="free").uv, abf.flatten(*disk, solver="lscm").uv)
+
+
+def test_an_energy_is_less_after_relaxing(disk: Mesh) -> None:
+    vertices, faces = disk[0] * [1, 1, 6], disk[1]
+    free = abf.flatten(vertices, faces)
+    assert free.relaxed is None and free.pinned is None
+    stretches = []
+    for energy in ("abf", "usable", 0.5, "isometric"):
+        flat = abf.flatten(vertices, faces, energy=energy)  # type: ignore[arg-type]
+        assert flat.certified and flat.relaxed is not None and flat.relaxed.energy == str(energy)
+        assert flat.relaxed.after <= flat.relaxed.before * (1 + 1e-12)
+        stretches.append(flat.metrics.stretch_l2)
+    assert min(stretches[0], free.metrics.stretch_l2) > stretches[1] > stretches[2] > stretches[3]
+    stages = []
+    abf.flatten(*bumpy(120), energy="isometric", progress=lambda news: stages.append(news.stage))
+    assert "relax" in stages
+
+
+def test_charts_are_relaxed(ring: Mesh) -> None:
+    plain, relaxed = abf.unwrap(*ring), abf.unwrap(*ring, energy="isometric")
+    assert plain.relax_steps == 0 < relaxed.relax_steps
+    assert relaxed.certified and relaxed.metrics.stretch_l2 < plain.metrics.stretch_l2
+
+
+def test_vertices_are_pinned(disk: Mesh) -> None:
+    two = abf.flatten(*disk, pins={0: (1, 1), np.int64(19): np.array([3.0, 1.0])})
+    assert two.certified and two.pinned and two.pinned.steps == 0
+    assert two.pinned.missed == [] and two.pinned.distances == {0: 0.0, 19: 0.0}
+    assert np.array_equal(two.uv[[0, 19]], [[1, 1], [3, 1]])
+    free = abf.flatten(*disk).uv
+    places = {int(v): tuple(free[v] * [1.2, 1.0]) for v in (0, 19, 380, 399)}
+    more = abf.flatten(*disk, energy="usable", pins={**places, 210: (*free[210], 3.0)})
+    assert more.certified and more.pinned and more.pinned.energy == "usable"
+    assert all(np.array_equal(more.uv[v], place) for v, place in places.items())
+    assert more.pinned.distances[210] > 0
+    # No map has a pyramid's corners the other way around, and that is said.
+    corners, sides = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 0.5]], [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
+    missed = abf.flatten(corners, sides, pins={0: (1, 0), 1: (0, -1), 2: (-1, 0), 3: (0, 1)})
+    assert missed.certificate and not missed.certified
+    assert missed.pinned is not None and not missed.pinned and missed.pinned.missed
+
+
+def test_a_map_that_is_there_is_relaxed(disk: Mesh, ring: Mesh) -> None:
+    vertices, faces = disk
+    flat = abf.flatten(vertices, faces, solver="lscm", normalize=True)
+    better = abf.relax(vertices, faces, flat.uv)
+    assert better.certified and better.uv.shape == flat.uv.shape and better.uv_faces is None
+    assert better.metrics.stretch_l2 < flat.metrics.stretch_l2
+    assert better.metrics.uv_area == pytest.approx(flat.metrics.uv_area)
+    assert better.uv.mean(0) == pytest.approx(flat.uv.mean(0))
+    spoilt = flat.uv.copy()
+    spoilt[210] += 1
+    (report,) = abf.relax(vertices, faces, spoilt, energy=0.1).charts
+    assert report is not None and report.from_tutte and report.energy == "0.1"
+    pinned = abf.relax(vertices, faces, flat.uv, pins={0: (0, 0), 399: (1, 1)})
+    assert pinned.pinned and np.array_equal(pinned.uv[[0, 399]], [[0, 0], [1, 1]])
+    parts = abf.unwrap(*ring, seams="keep", materials=ring[0][ring[1]].mean(1)[:, 0] > 0, max_stretch=1.5)
+    all_better = abf.relax(*ring, parts.uvs, parts.indices)
+    assert all_better.certificate.valid and len(all_better.charts) == parts.charts == len(set(all_better.chart_of_face))
+    assert all_better.uv_faces is not None and all_better.uv_faces.shape == ring[1].shape
+    assert all_better.metrics.stretch_l2 < parts.metrics.stretch_l2
+    assert abf.certify(*ring, all_better.uv, all_better.uv_faces).valid
 
 
 def test_an_error_bound_makes_passes_shorter(disk: Mesh) -> None:
@@ -231,7 +293,8 @@ def test_files_are_written_and_read(ring: Mesh, tmp_path: Path) -> None:
 
 
 def test_results_can_be_pickled(disk: Mesh, ring: Mesh) -> None:
-    flat = pickle.loads(pickle.dumps(abf.flatten(*disk)))
+    flat = pickle.loads(pickle.dumps(abf.flatten(*disk, energy="usable", pins={0: (0, 0)})))
+    assert flat.pinned and flat.relaxed.steps > 0
     assert flat.certificate and flat.uv.shape == (400, 2)
     assert len(list(pickle.loads(pickle.dumps(abf.unwrap(*ring))))) == 3
     error = pickle.loads(pickle.dumps(abf.NotADiskError("no disk")))

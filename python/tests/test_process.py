@@ -114,8 +114,8 @@ def test_two_calls_of_one_thread_each_run_at_the_same_time() -> None:
     ("most", "solvers"),
     [
         (0.2, ["auto", "linabf", "abf-fixed-target"]),
-        # It begins with a single factorisation by LU, which cannot be interrupted: docs/performance.md.
-        (0.6, ["descent"]),
+        # Single factorisations cannot be interrupted: docs/performance.md.
+        (0.6, ["descent", "relax"]),
     ],
 )
 def test_ctrl_c_ends_a_call_soon(most: float, solvers: list[str]) -> None:
@@ -141,6 +141,9 @@ def test_what_a_callback_raises_ends_the_call() -> None:
             abf.flatten(*bumpy(300), progress=progress, threads=threads)
     with pytest.raises(Enough):
         abf.unwrap(*bumpy(100), progress=progress)
+    mesh = bumpy(200)
+    with pytest.raises(Enough):
+        abf.relax(*mesh, mesh[0][:, :2], progress=progress)
     assert time.process_time() - begin < 60
     assert flips(30) == 0
 

@@ -119,6 +119,11 @@ impl<'py> FromPyObject<'_, 'py> for Mapped {
 }
 
 impl Mapped {
+    /// Whether there are rows of every corner.
+    pub(crate) fn is_per_corner(&self) -> bool {
+        self.uv.faces.is_some()
+    }
+
     /// How many faces there are.
     pub(crate) fn face_count(&self) -> usize {
         self.given.face_count()
@@ -194,6 +199,11 @@ pub(crate) fn xy(points: &[Point2<f64>]) -> Vec<[f64; 2]> {
 /// Faces as they go out.
 pub(crate) fn indices_of(faces: &[[VertexId; 3]]) -> Vec<[u32; 3]> {
     faces.iter().map(|face| face.map(|v| v.index() as u32)).collect()
+}
+
+/// The rows of every corner of a map, as they go out.
+pub(crate) fn indices_of_uv(map: &UvMap) -> Vec<[u32; 3]> {
+    map.corners().as_chunks::<3>().0.iter().map(|face| face.map(|id| id.index() as u32)).collect()
 }
 
 /// Checks that all indices name something.

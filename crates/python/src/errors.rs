@@ -136,9 +136,14 @@ fn of_flatten(error: &FlattenError) -> Kind {
         | FlattenError::LscmLayout(_)
         | FlattenError::BoundarySolver(_)
         | FlattenError::BoundaryCharts(_)
+        | FlattenError::RelaxBoundary(_)
+        | FlattenError::Pins(_)
+        | FlattenError::PinsElsewhere(_)
         | FlattenError::Descent(EmbedError::Setting(_))
+        | FlattenError::Relax(EmbedError::Setting(_))
         | FlattenError::Solve { source: SolveError::Setting(_) | SolveError::Unsupported(_), .. } => Kind::Setting,
         FlattenError::Memory { .. } => Kind::Memory,
+        FlattenError::RelaxChart { source, .. } => of_flatten(source),
         _ => Kind::NoResult,
     }
 }

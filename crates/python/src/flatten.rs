@@ -2,7 +2,7 @@
 
 use crate::arrays::{Given, Rows, out2};
 use crate::errors::Raised;
-use crate::results::metrics;
+use crate::results::{metrics, pinned, relaxed};
 use crate::settings::Keywords;
 use crate::supervise::Supervision;
 use abf::mesh::TriMesh;
@@ -34,12 +34,14 @@ pub(crate) fn flatten<'py>(
     out.set_item("solver", flat.solver.name())?;
     out.set_item("termination", flat.termination.to_string())?;
     out.set_item("certified", flat.is_certified())?;
+    out.set_item("relaxed", flat.relaxed.as_ref().map(|report| relaxed(py, report)).transpose()?)?;
+    out.set_item("pinned", flat.pinned.as_ref().map(|report| pinned(py, report)).transpose()?)?;
     out.set_item("tried", flat.rungs.iter().map(|rung| rung.solver.name()).collect::<Vec<_>>())?;
     Ok(out)
 }
 
 /// One row per vertex; those of no face are at the origin.
-fn per_vertex(mesh: &TriMesh, uv: &abf::mesh::UvMap) -> Vec<[f64; 2]> {
+pub(crate) fn per_vertex(mesh: &TriMesh, uv: &abf::mesh::UvMap) -> Vec<[f64; 2]> {
     let mut rows = vec![[0.0; 2]; mesh.vertex_count()];
     for (vertex, id) in mesh.faces().as_flattened().iter().zip(uv.corners()) {
         let point = uv.points()[id.index()];

@@ -11,7 +11,7 @@
 //! | `pools.rs` | threads that survive neither a fork nor a call too many |
 //! | `supervise.rs` | signals, progress and the interpreter's lock while the library works |
 //! | `results.rs` | what is known of a map, as a dict |
-//! | `flatten.rs`, `unwrap.rs`, `judge.rs`, `pack.rs`, `files.rs` | one function of the package each |
+//! | `flatten.rs`, `unwrap.rs`, `relax.rs`, `judge.rs`, `pack.rs`, `files.rs` | one function of the package each |
 
 mod arrays;
 mod errors;
@@ -20,6 +20,7 @@ mod flatten;
 mod judge;
 mod pack;
 mod pools;
+mod relax;
 mod results;
 mod running;
 mod settings;
@@ -43,6 +44,8 @@ mod _abf {
     use crate::judge::{certify, metrics};
     #[pymodule_export]
     use crate::pack::pack;
+    #[pymodule_export]
+    use crate::relax::relax;
     #[pymodule_export]
     use crate::running::end_calls;
     #[pymodule_export]

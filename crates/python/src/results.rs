@@ -1,6 +1,6 @@
 //! What is known of a map, as a dict.
 
-use abf::{Certificate, Metrics};
+use abf::{Certificate, Metrics, PinReport, RelaxReport};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -44,5 +44,33 @@ pub(crate) fn metrics<'py>(py: Python<'py>, m: &Metrics) -> PyResult<Bound<'py, 
     out.set_item("uv_area", m.uv_area)?;
     out.set_item("surface_area", m.surface_area)?;
     out.set_item("certificate", certificate(py, &m.certificate)?)?;
+    Ok(out)
+}
+
+/// The fields of `abf_flatten.RelaxReport`.
+pub(crate) fn relaxed<'py>(py: Python<'py>, report: &RelaxReport) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("energy", report.energy.to_string())?;
+    out.set_item("before", report.before)?;
+    out.set_item("after", report.after)?;
+    out.set_item("steps", report.steps)?;
+    out.set_item("progressive_steps", report.progressive_steps)?;
+    out.set_item("from_tutte", report.from_tutte)?;
+    Ok(out)
+}
+
+/// The fields of `abf_flatten.PinReport`.
+pub(crate) fn pinned<'py>(py: Python<'py>, report: &PinReport) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    let distances = PyDict::new(py);
+    for pin in &report.residuals {
+        distances.set_item(pin.vertex, pin.distance)?;
+    }
+    let missed = report.residuals.iter().filter(|pin| pin.is_hard && pin.distance > 0.0).map(|pin| pin.vertex);
+    out.set_item("energy", report.energy.to_string())?;
+    out.set_item("after", report.after)?;
+    out.set_item("steps", report.steps)?;
+    out.set_item("missed", missed.collect::<Vec<u32>>())?;
+    out.set_item("distances", distances)?;
     Ok(out)
 }

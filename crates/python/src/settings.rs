@@ -2,9 +2,9 @@
 
 use crate::errors::SettingError;
 use abf::{
-    Atlas, AtlasPages, Boundary, BoundaryAngle, DoubleSided, Effort, GuessSettings, HoleRule, InnerTolerance,
-    LayoutKind, LayoutSettings, Parting, Passes, Pipeline, SeamRule, Solver, SolverKind, SolverSettings, StopCriteria,
-    Unwrap, Weld,
+    Atlas, AtlasPages, Boundary, BoundaryAngle, DoubleSided, Effort, Energy, GuessSettings, HoleRule, InnerTolerance,
+    LayoutKind, LayoutSettings, Parting, Passes, Pin, PinWeight, Pins, Pipeline, Relax, SeamRule, Solver, SolverKind,
+    SolverSettings, StopCriteria, Unwrap, Weld,
 };
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
@@ -93,12 +93,6 @@ impl<'py> Keywords<'py> {
             ("boundary", kind.keeps_boundary()),
         ];
         self.refuse_what_means_nothing(kind, &concerns)?;
-        let limit = self.value::<f64>("time_limit")?;
-        let seconds = |limit| {
-            let wrong =
-                |_| SettingError::new_err(format!("time_limit must be a number of seconds, at least 0, got {limit}"));
-            Duration::try_from_secs_f64(limit).map_err(wrong)
-        };
         Ok(Pipeline {
             solver,
             zero_area: self.choice("zero_area")?.unwrap_or(plain.zero_area),
@@ -111,9 +105,11 @@ impl<'py> Keywords<'py> {
             stop: StopCriteria {
                 tolerance: self.value("tolerance")?.unwrap_or(stop.tolerance),
                 max_iterations: self.value("max_iterations")?.unwrap_or(stop.max_iterations),
-                time_limit: limit.map(seconds).transpose()?,
+                time_limit: self.time_limit()?,
                 ..stop
             },
+            relax: self.relax()?,
+            pins: self.pins()?,
             layout: LayoutSettings {
                 kind: self.choice::<LayoutKind>("layout")?.unwrap_or_default(),
                 ..LayoutSettings::default()
@@ -122,6 +118,50 @@ impl<'py> Keywords<'py> {
             max_memory: self.value("max_memory")?,
             ..plain
         })
+    }
+
+    /// How a map that is there is relaxed: nothing is said of a solver.
+    pub(crate) fn relaxing(&self) -> PyResult<Pipeline> {
+        let plain = Pipeline::default();
+        Ok(Pipeline {
+            relax: self.relax()?,
+            pins: self.pins()?,
+            stop: StopCriteria { time_limit: self.time_limit()?, ..plain.stop },
+            max_memory: self.value("max_memory")?,
+            ..plain
+        })
+    }
+
+    fn time_limit(&self) -> PyResult<Option<Duration>> {
+        let seconds = |limit| {
+            let wrong =
+                |_| SettingError::new_err(format!("time_limit must be a number of seconds, at least 0, got {limit}"));
+            Duration::try_from_secs_f64(limit).map_err(wrong)
+        };
+        self.value::<f64>("time_limit")?.map(seconds).transpose()
+    }
+
+    /// What is to be little in the map: a name, or the weight of areas.
+    fn relax(&self) -> PyResult<Option<Relax>> {
+        let Some(given) = self.given("energy")? else { return Ok(None) };
+        let energy = match given.cast::<PyString>() {
+            Ok(_) => self.choice::<Energy>("energy")?,
+            Err(_) => self.value("energy")?.map(Energy::Slider),
+        };
+        let energy = energy.unwrap_or_default();
+        energy.check().map_err(|error| SettingError::new_err(error.to_string()))?;
+        Ok(Some(Relax { energy, ..Relax::default() }))
+    }
+
+    /// Vertices with their places, and the weights of soft ones.
+    fn pins(&self) -> PyResult<Option<Pins>> {
+        let Some(given) = self.value::<Vec<(u32, [f64; 2], Option<f64>)>>("pins")? else { return Ok(None) };
+        let pin = |(vertex, uv, weight): (u32, [f64; 2], Option<f64>)| Pin {
+            vertex,
+            uv,
+            weight: weight.map_or(PinWeight::Hard, PinWeight::Soft),
+        };
+        Ok(Some(Pins { pins: given.into_iter().map(pin).collect() }))
     }
 
     fn solver(&self) -> PyResult<Solver> {

@@ -155,6 +155,7 @@ fn name(stage: Stage) -> &'static str {
         Stage::Topology => "topology",
         Stage::Solve => "solve",
         Stage::Layout => "layout",
+        Stage::Relax => "relax",
         Stage::Certificate => "certificate",
         _ => "work",
     }

@@ -107,6 +107,8 @@ fn unwrapped(py: Python<'_>, flat: UnwrappedArrays, may_overlap: bool) -> PyResu
     out.set_item("parted_for_coverage", parted_for_coverage)?;
     out.set_item("parted_for_margin", parted_for_margin)?;
     out.set_item("certified", certified)?;
+    let steps = |chart: &abf::UnwrappedChart| chart.relaxed.as_ref().map_or(0, |report| report.steps);
+    out.set_item("relax_steps", unwrapped.charts.iter().map(steps).sum::<usize>())?;
     out.set_item("unfinished", unwrapped.charts.iter().filter(|chart| chart.unfinished).count())?;
     Ok(out)
 }
