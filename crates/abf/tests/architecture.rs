@@ -18,6 +18,7 @@ const LAYERS: &[(&str, u32)] = &[
     ("abf-shapes", 2),
     ("abf-constraints", 2),
     ("abf-multires", 2),
+    ("abf-overlap", 2),
     ("abf-solve-core", 3),
     ("abf-reconstruct", 4),
     ("abf-metrics", 4),

@@ -2,18 +2,16 @@
 
 use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::{CornerId, FaceId, Topology, TriMesh, UvId, UvMap, VertexId};
+use abf_overlap::{Fan, Overlaps, Sheet, turns, winds_twice};
 use abf_parallel::prelude::*;
 use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use crate::face::{Orientation, Survey};
 use crate::interval::Interval;
-use crate::overlap::Overlaps;
 #[cfg(feature = "serde")]
 use crate::serialise;
-use crate::sheet::{Fan, Sheet};
 use crate::triangle::{cotangents, is_within_rounding};
-use crate::winding::{self, winds_twice};
 use crate::{MetricsError, Precision};
 
 /// Fewer corners are not worth a thread.
@@ -305,8 +303,7 @@ fn fans_of_manifold(
     let fan = |v: VertexId| topology.fan_start(v).map(|first| sheet.fan_from(first));
     let open = topology.vertices().filter(|&v| topology.is_boundary(v)).filter_map(fan).collect();
     // Around a point among counter-clockwise triangles is at least one turn: as many turns as points are one for each.
-    let once_each =
-        || all_kept && winding::turns(sheet, |v| topology.is_interior(v)) == topology.interior_vertex_count();
+    let once_each = || all_kept && turns(sheet, |v| topology.is_interior(v)) == topology.interior_vertex_count();
     if once_each() {
         return (open, Vec::new());
     }

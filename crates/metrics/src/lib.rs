@@ -27,18 +27,14 @@
 
 mod certificate;
 mod charts;
-mod direction;
 mod error;
 mod face;
 mod interval;
 mod measure;
-mod overlap;
 mod precision;
 #[cfg(feature = "serde")]
 mod serialise;
-mod sheet;
 mod triangle;
-mod winding;
 
 pub use certificate::{
     Certificate, certify, certify_asking, certify_connected, certify_connected_asking, certify_stored,

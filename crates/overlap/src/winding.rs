@@ -12,7 +12,8 @@ use crate::sheet::{Fan, PER_TASK, Sheet};
 /// is completed exactly where a step leads from the lower half plane to the upper one: counting those
 /// steps counts turns without any rounding. A fan that closes must turn once; one on the boundary must
 /// not turn further than once, which means that it may come back to its first edge, but not pass it.
-pub(crate) fn winds_twice(sheet: &Sheet<'_>, fan: Fan) -> bool {
+#[must_use]
+pub fn winds_twice(sheet: &Sheet<'_>, fan: Fan) -> bool {
     let centre = sheet.place(fan.first);
     let turns = sheet.fan_corners(fan).filter(|&c| completes_turn(sheet, c)).count();
     if fan.is_closed || turns != 1 {
@@ -25,7 +26,8 @@ pub(crate) fn winds_twice(sheet: &Sheet<'_>, fan: Fan) -> bool {
 
 /// In how many corners at these vertices the step from one edge to the next leads from the lower half plane to the
 /// upper one: the turns around all of them together, when all their triangles are counter-clockwise.
-pub(crate) fn turns(sheet: &Sheet<'_>, is_at: impl Fn(VertexId) -> bool + Sync) -> usize {
+#[must_use]
+pub fn turns(sheet: &Sheet<'_>, is_at: impl Fn(VertexId) -> bool + Sync) -> usize {
     let corners = (0..sheet.corner_count()).into_par_iter().with_min_len(PER_TASK).map(CornerId::new);
     corners.filter(|&c| is_at(sheet.vertex(c)) && completes_turn(sheet, c)).count()
 }

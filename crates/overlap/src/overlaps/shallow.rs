@@ -1,8 +1,8 @@
 //! Crossings, and sectors over each other, no deeper than the rounding of coordinates: sides that meet, and were rounded.
 
-use super::box_tree::{BoxTree, Extent};
 use super::outline::{Outline, Segment};
 use super::{Overlaps, winding_around};
+use crate::box_tree::{BoxTree, Extent};
 use crate::sheet::Sheet;
 use abf_mesh::predicates::orient2d;
 use abf_mesh::{DisjointSets, FaceId, Point2};

@@ -18,16 +18,15 @@
 //! Only signs of areas and comparisons of coordinates decide. The boundary edges are found pairwise by a
 //! hierarchy of boxes: `O(b log b)` for b boundary edges that are short against the whole.
 
-mod box_tree;
 mod meeting;
 mod outline;
 mod shallow;
 
+use crate::box_tree::{BoxTree, Extent};
 use crate::sheet::{Fan, Sheet};
 use abf_control::{Cancelled, Checkpoint};
 use abf_mesh::predicates::orient2d;
 use abf_mesh::{DisjointSets, FaceId, Point2};
-use box_tree::{BoxTree, Extent};
 use meeting::Meeting;
 use outline::{Outline, Segment};
 use shallow::Shallow;
@@ -43,22 +42,23 @@ const PER_SEGMENT: usize = 4;
 
 /// Where a map covers the plane more than once.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Overlaps {
+#[non_exhaustive]
+pub struct Overlaps {
     /// Pairs of boundary segments that cross inside both.
-    pub(crate) crossings: usize,
+    pub crossings: usize,
     /// Points at ends of edges where the boundary meets itself, or turns around the point more than once,
     /// and two faces cover one sector.
-    pub(crate) meetings: usize,
+    pub meetings: usize,
     /// Connected pieces of the boundary whose leftmost point lies under faces that do not touch it.
-    pub(crate) nested: usize,
+    pub nested: usize,
     /// Points where the boundary meets itself and no sector is covered twice, and crossings within rounding.
-    pub(crate) touches: usize,
+    pub touches: usize,
     /// How deep the deepest of these crossings is.
-    pub(crate) touch_depth: f64,
+    pub touch_depth: f64,
     /// Whether there may be more of them: the search ended early.
-    pub(crate) are_least: bool,
+    pub are_least: bool,
     /// Pairs of faces that lie over each other, at the first places found.
-    pub(crate) faces: Vec<[FaceId; 2]>,
+    pub faces: Vec<[FaceId; 2]>,
 }
 
 /// Why not all pairs of segments are looked at.
@@ -73,7 +73,10 @@ type Crossings = (Vec<(u32, u32)>, Vec<Shallow>);
 impl Overlaps {
     /// Finds them; at most `listed` pairs of faces are named. `fans` are the fans on the boundary, `twice`
     /// those of them that wind more than once. `rounding` is how far rounding may move the coordinates of the chart of a face.
-    pub(crate) fn find(
+    ///
+    /// # Errors
+    /// [`Cancelled`], from the checkpoint.
+    pub fn find(
         sheet: &Sheet<'_>,
         fans: &[Fan],
         twice: &[Fan],

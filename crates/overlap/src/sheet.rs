@@ -16,7 +16,7 @@ const NONE: u32 = u32::MAX;
 pub(crate) const PER_TASK: usize = 1 << 13;
 
 /// The joined triangles.
-pub(crate) struct Sheet<'a> {
+pub struct Sheet<'a> {
     /// The UV points, scaled around 1.
     places: Vec<Point2<f64>>,
     /// The UV point of every corner; in turned faces the last two are exchanged.
@@ -35,19 +35,20 @@ fn scaled(uv: &UvMap, scale: f64) -> Vec<Point2<f64>> {
 
 /// The corners around a vertex, joined one to the next counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Fan {
+pub struct Fan {
     /// Its first corner clockwise; any one where it closes.
-    pub(crate) first: CornerId,
+    pub first: CornerId,
     /// Its last corner.
-    pub(crate) last: CornerId,
+    pub last: CornerId,
     /// Whether the last is joined to the first.
-    pub(crate) is_closed: bool,
+    pub is_closed: bool,
 }
 
 impl<'a> Sheet<'a> {
     /// Joins the faces of a map. `scale` is a power of two; `is_turned` says which faces belong to a
     /// mirrored chart.
-    pub(crate) fn new(mesh: &TriMesh, uv: &UvMap, scale: f64, is_turned: impl Fn(usize) -> bool) -> Self {
+    #[must_use]
+    pub fn new(mesh: &TriMesh, uv: &UvMap, scale: f64, is_turned: impl Fn(usize) -> bool) -> Self {
         let mut corners = uv.corners().to_vec();
         let mut vertices: Vec<VertexId> = mesh.faces().iter().flatten().copied().collect();
         for f in (0..mesh.face_count()).filter(|&f| is_turned(f)) {
@@ -62,7 +63,8 @@ impl<'a> Sheet<'a> {
 
     /// The same for a map with one point per vertex of a manifold, none of whose faces is turned: joined are the faces
     /// that its corner table joins.
-    pub(crate) fn of_manifold(mesh: &'a TriMesh, topology: &'a Topology, uv: &'a UvMap, scale: f64) -> Self {
+    #[must_use]
+    pub fn of_manifold(mesh: &'a TriMesh, topology: &'a Topology, uv: &'a UvMap, scale: f64) -> Self {
         Self {
             places: scaled(uv, scale),
             corners: uv.corners().into(),
@@ -71,50 +73,70 @@ impl<'a> Sheet<'a> {
         }
     }
 
+    /// The same for a drawing with one point per vertex, as it is.
+    pub(crate) fn of_drawing(
+        topology: &'a Topology,
+        corners: &'a [UvId],
+        vertices: &'a [VertexId],
+        uv: &[Point2<f64>],
+    ) -> Self {
+        let places = uv.iter().map(|p| p.map(|x| x + 0.0)).collect();
+        let opposite = topology.packed_opposites().into();
+        Self { places, corners: corners.into(), vertices: vertices.into(), opposite }
+    }
+
     /// How many corners there are.
-    pub(crate) fn corner_count(&self) -> usize {
+    #[must_use]
+    pub fn corner_count(&self) -> usize {
         self.corners.len()
     }
 
     /// The UV point of a corner.
-    pub(crate) fn point(&self, corner: CornerId) -> UvId {
+    #[must_use]
+    pub fn point(&self, corner: CornerId) -> UvId {
         self.corners[corner.index()]
     }
 
     /// The place of a UV point.
-    pub(crate) fn place_of(&self, point: UvId) -> Point2<f64> {
+    #[must_use]
+    pub fn place_of(&self, point: UvId) -> Point2<f64> {
         self.places[point.index()]
     }
 
     /// How many UV points there are.
-    pub(crate) fn point_count(&self) -> usize {
+    #[must_use]
+    pub fn point_count(&self) -> usize {
         self.places.len()
     }
 
     /// The place of a corner.
-    pub(crate) fn place(&self, corner: CornerId) -> Point2<f64> {
+    #[must_use]
+    pub fn place(&self, corner: CornerId) -> Point2<f64> {
         self.place_of(self.point(corner))
     }
 
     /// The vertex of a corner.
-    pub(crate) fn vertex(&self, corner: CornerId) -> VertexId {
+    #[must_use]
+    pub fn vertex(&self, corner: CornerId) -> VertexId {
         self.vertices[corner.index()]
     }
 
     /// The places of a face, counter-clockwise if it lies on the right side.
-    pub(crate) fn triangle(&self, face: FaceId) -> [Point2<f64>; 3] {
+    #[must_use]
+    pub fn triangle(&self, face: FaceId) -> [Point2<f64>; 3] {
         face.corners().map(|c| self.place(c))
     }
 
     /// The edges with a face on one side only, each named by the corner facing it: it runs from the
     /// next corner to the previous one, its face on the left.
-    pub(crate) fn boundary(&self) -> impl Iterator<Item = CornerId> + '_ {
+    pub fn boundary(&self) -> impl Iterator<Item = CornerId> + '_ {
         let is_free = |&c: &usize| self.opposite[c] == NONE;
         (0..self.corner_count()).filter(is_free).map(CornerId::new)
     }
 
     /// The next corner counter-clockwise around the same vertex.
-    pub(crate) fn rotate_ccw(&self, corner: CornerId) -> Option<CornerId> {
+    #[must_use]
+    pub fn rotate_ccw(&self, corner: CornerId) -> Option<CornerId> {
         match self.opposite[corner.next().index()] {
             NONE => None,
             other => Some(CornerId::new(other as usize).next()),
@@ -122,7 +144,8 @@ impl<'a> Sheet<'a> {
     }
 
     /// The fan of a vertex that stands in one place, from its first corner.
-    pub(crate) fn fan_from(&self, first: CornerId) -> Fan {
+    #[must_use]
+    pub fn fan_from(&self, first: CornerId) -> Fan {
         let mut last = first;
         while let Some(next) = self.rotate_ccw(last) {
             if next == first {
@@ -134,7 +157,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// Every fan once: those on the boundary, then those that close.
-    pub(crate) fn fans(&self) -> impl Iterator<Item = Fan> + '_ {
+    pub fn fans(&self) -> impl Iterator<Item = Fan> + '_ {
         let mut seen = vec![false; self.corner_count()];
         let open = (0..self.corner_count()).map(|c| (CornerId::new(c), true));
         let closed = (0..self.corner_count()).map(|c| (CornerId::new(c), false));
@@ -149,7 +172,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// The corners of a fan, counter-clockwise.
-    pub(crate) fn fan_corners(&self, fan: Fan) -> impl Iterator<Item = CornerId> + '_ {
+    pub fn fan_corners(&self, fan: Fan) -> impl Iterator<Item = CornerId> + '_ {
         std::iter::successors(Some(fan.first), move |&c| self.rotate_ccw(c).filter(|_| c != fan.last))
     }
 

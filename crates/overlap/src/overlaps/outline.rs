@@ -1,6 +1,6 @@
 //! The boundary of a map as segments between spots of the plane.
 
-use super::box_tree::Extent;
+use crate::box_tree::Extent;
 use crate::sheet::Sheet;
 use abf_mesh::{CornerId, FaceId, Point2};
 

@@ -4,26 +4,29 @@ use abf_mesh::Point2;
 
 /// An axis-aligned box, its sides included.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
+pub struct Extent {
     /// Lower left.
-    pub(super) low: Point2<f64>,
+    pub low: Point2<f64>,
     /// Upper right.
-    pub(super) high: Point2<f64>,
+    pub high: Point2<f64>,
 }
 
 impl Extent {
     /// The smallest box around two points.
-    pub(super) fn around(a: Point2<f64>, b: Point2<f64>) -> Self {
+    #[must_use]
+    pub fn around(a: Point2<f64>, b: Point2<f64>) -> Self {
         Self { low: a.inf(&b), high: a.sup(&b) }
     }
 
     /// The smallest box around two boxes.
-    pub(super) fn with(self, other: Self) -> Self {
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
         Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
     }
 
     /// Whether two boxes have a point in common.
-    pub(super) fn meets(&self, other: &Self) -> bool {
+    #[must_use]
+    pub fn meets(&self, other: &Self) -> bool {
         self.low.x <= other.high.x
             && other.low.x <= self.high.x
             && self.low.y <= other.high.y
@@ -31,13 +34,14 @@ impl Extent {
     }
 
     /// Whether a point is in the box.
-    pub(super) fn holds(&self, p: Point2<f64>) -> bool {
+    #[must_use]
+    pub fn holds(&self, p: Point2<f64>) -> bool {
         self.meets(&Self { low: p, high: p })
     }
 }
 
 /// A binary tree of boxes over items, halved at the median of the longer side.
-pub(super) struct BoxTree {
+pub struct BoxTree {
     /// The items, those of every node together.
     items: Vec<u32>,
     nodes: Vec<Node>,
@@ -57,7 +61,7 @@ impl BoxTree {
     const LEAF: usize = 8;
 
     /// A tree of these items, which have these boxes.
-    pub(super) fn new(mut items: Vec<u32>, extent: impl Fn(u32) -> Extent) -> Self {
+    pub fn new(mut items: Vec<u32>, extent: impl Fn(u32) -> Extent) -> Self {
         let mut nodes = Vec::with_capacity(items.len() / 2 + 1);
         if !items.is_empty() {
             grow(&mut items, 0, &mut nodes, &extent);
@@ -66,7 +70,7 @@ impl BoxTree {
     }
 
     /// Calls `visit` for every item of the leaves whose box, and the boxes above it, are `wanted`.
-    pub(super) fn visit(&self, wanted: impl Fn(&Extent) -> bool, mut visit: impl FnMut(u32)) {
+    pub fn visit(&self, wanted: impl Fn(&Extent) -> bool, mut visit: impl FnMut(u32)) {
         let mut stack = vec![0];
         while let Some(k) = stack.pop() {
             let Some(node) = self.nodes.get(k).filter(|node| wanted(&node.extent)) else { continue };
@@ -79,7 +83,10 @@ impl BoxTree {
     }
 
     /// Calls `visit` once for every two items of leaves whose boxes meet, until it fails.
-    pub(super) fn pairs<E>(&self, mut visit: impl FnMut(u32, u32) -> Result<(), E>) -> Result<(), E> {
+    ///
+    /// # Errors
+    /// Those of `visit`.
+    pub fn pairs<E>(&self, mut visit: impl FnMut(u32, u32) -> Result<(), E>) -> Result<(), E> {
         let mut stack = if self.nodes.is_empty() { vec![] } else { vec![(0, 0)] };
         while let Some((j, k)) = stack.pop() {
             let (a, b) = (&self.nodes[j], &self.nodes[k]);
