@@ -36,8 +36,8 @@ pub use abf_mesh as mesh;
 
 pub use abf_constraints::{Boundary, BoundaryAngle, GuessSettings, KktCounts, WheelForm};
 pub use abf_control::{
-    Cancelled, Event, Fallback, IterationRecord, Observer, SettingError, Silent, Stage, StopCriteria, Termination,
-    UnknownName, UnwrapProgress, Verdict,
+    Cancelled, Drawing, Event, Fallback, IterationRecord, Observer, SettingError, Silent, Stage, StopCriteria,
+    Termination, UnknownName, UnwrapProgress, Verdict,
 };
 pub use abf_cut::{DoubleSided, Weld};
 pub use abf_metrics::{Certificate, Metrics, MetricsError, Precision};

@@ -14,6 +14,6 @@ mod stop;
 
 pub use clock::set_clock;
 pub use error::{Cancelled, SettingError, UnknownName};
-pub use observe::{Checkpoint, Event, Observer, Silent, Stage, UnwrapProgress, Verdict, Watch, ask, at_block};
+pub use observe::{Checkpoint, Drawing, Event, Observer, Silent, Stage, UnwrapProgress, Verdict, Watch, ask, at_block};
 pub use record::{Fallback, IterationRecord, Termination};
 pub use stop::{StopCriteria, TimeBudget};

@@ -1,6 +1,7 @@
 //! Progress and cancellation.
 
 use crate::{Cancelled, IterationRecord, StopCriteria, Termination, clock};
+use std::fmt;
 use std::time::Duration;
 
 /// The parts of flattening a mesh, in their order.
@@ -27,6 +28,17 @@ pub enum Event<'a> {
     StageStarted(Stage),
     /// The next solver of a ladder begins, by its name; its stages follow.
     RungStarted(&'static str),
+    /// A solver, or the relaxing of a map, begins, and this is what it starts from. A solver that works in rounds, or on
+    /// several levels, begins several times.
+    Start {
+        /// Its iteration 0: of the residual and of the energy, before anything is done. The rest of it says nothing.
+        record: &'a IterationRecord,
+        /// How many corners what it works on has: fewer than the mesh on a coarse level.
+        corners: usize,
+    },
+    /// The positions of the vertices, of a solver that has such. The [`Event::Start`] or [`Event::Iteration`] that they belong
+    /// to follows.
+    Drawing(&'a dyn Drawing),
     /// An outer iteration, or a pass of LinABF, is done.
     Iteration(&'a IterationRecord),
     /// An inner iteration, or one part of a direct solve, is done.
@@ -40,6 +52,16 @@ pub enum Event<'a> {
     },
     /// Work inside a stage goes on. It is asked between blocks of long work, so that it can be interrupted there.
     Working,
+}
+
+/// A drawing on its way. It is measured when it is asked, so that it costs nobody anything who does not ask.
+pub trait Drawing: fmt::Debug {
+    /// `F / 3nt`, rad²: the mean of `(x − α°)²` over all corners, `x` being the angles of the drawing and `α°` those of the
+    /// surface.
+    fn f(&self) -> f64;
+
+    /// How many triangles are not counter-clockwise, by the exact predicate.
+    fn flips(&self) -> usize;
 }
 
 /// Where in the unwrapping of a mesh something happened, with the totals known so far.
@@ -141,6 +163,28 @@ impl<'a> Watch<'a> {
     /// Starts watching; a time limit counts from here.
     pub fn start(stop: &StopCriteria, observer: &'a mut dyn Observer) -> Self {
         Self { observer, deadline: stop.deadline(), iteration: 1, interruption: None, is_aborted: false }
+    }
+
+    /// Reports what a solver starts from: the constraint residual, rad, and the energy, where it has one, of so many corners.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the observer aborts.
+    pub fn start_from(
+        &mut self,
+        corners: usize,
+        constraint_residual: f64,
+        energy: Option<f64>,
+    ) -> Result<(), Cancelled> {
+        let record = IterationRecord { constraint_residual, energy, ..IterationRecord::default() };
+        self.ask(Event::Start { record: &record, corners })
+    }
+
+    /// Shows the positions of the vertices, before the start or the iteration that they belong to is reported.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the observer aborts.
+    pub fn drawing(&mut self, drawing: &dyn Drawing) -> Result<(), Cancelled> {
+        self.ask(Event::Drawing(drawing))
     }
 
     /// Reports a finished outer iteration.

@@ -8,6 +8,7 @@
 //! Every step is a Gauss–Newton direction (`newton.rs`), followed with turning and scaling edges or along a straight
 //! line (`retract.rs`), no further than an exact predicate allows (`line_search.rs`).
 
+use crate::drawn::Drawn;
 use crate::line_search::{AcceptedDrawing, Search, StepKind, measured};
 use crate::newton::{Direction, Newton};
 use crate::objective::Objective;
@@ -146,6 +147,9 @@ impl Descent {
             });
         }
         let mut run = DescentRun::new(*self, problem, &uv, &mut watch)?;
+        watch.drawing(&run.drawn())?;
+        let residual = max_residual(topology, problem.rows(), &run.angles);
+        watch.start_from(run.angles.len(), residual, Some(problem.energy(&run.angles)))?;
         let termination = run.descend(stop, &mut watch)?;
         let (uv, area_matched) = scaled_to(topology, run.uv, mesh.area());
         // Those of the last step: scaling may round, and no angle is changed by it.
@@ -308,8 +312,14 @@ impl<'p, 'a> DescentRun<'p, 'a> {
         self.history.push(record);
         let reported = self.reported(&record);
         self.reported.push(reported);
+        watch.drawing(&self.drawn())?;
         watch.iteration(&reported)?;
         Ok(found)
+    }
+
+    fn drawn(&self) -> Drawn<'_> {
+        let problem = self.objective.problem;
+        Drawn { topology: problem.topology(), mesh_angles: problem.mesh_angles(), uv: &self.uv }
     }
 
     /// What observers of other solvers know how to read.

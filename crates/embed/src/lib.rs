@@ -40,6 +40,7 @@
 //! far · `relax/` energies of positions and their steps · `place.rs` where a drawing lies · `plane.rs` one triangle · `system.rs` matrices over faces.
 
 mod descend;
+mod drawn;
 mod line_search;
 mod newton;
 mod objective;

@@ -27,8 +27,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut fragments = Vec::new();
     for (name, shape, triangles) in meshes {
         let mesh = shape.mesh(triangles);
-        let fragment =
-            MeshFragment::render(&MeshSection { name, mesh: Some(&mesh), runs: runs(&mesh, &layouts(&mesh)) });
+        let fragment = MeshFragment::render(&MeshSection {
+            name,
+            mesh: Some(&mesh),
+            runs: runs(&mesh, &layouts(&mesh)),
+            ..MeshSection::default()
+        });
         println!("{name}: {} triangles, {} bytes", mesh.face_count(), fragment.bytes());
         fragments.push(fragment);
     }
@@ -78,6 +82,8 @@ fn runs<'a>(mesh: &'a TriMesh, layouts: &'a [UvMap]) -> Vec<SolverRun<'a>> {
             .then(|| "stopped after 50 passes: the constraint residual is 0.031, more than 1e-9".to_owned()),
         outer: outer(k),
         inner: if [4, 6].contains(&k) { inner(k) } else { Vec::new() },
+        timed: outer(k).into_iter().map(|(i, r)| (0.01 * i * (1.0 + k as f64), r)).collect(),
+        energies: vec![(if k < 6 { "abf" } else { "isometric" }.to_owned(), outer(k))],
     };
     SOLVERS.iter().enumerate().map(run).collect()
 }

@@ -58,6 +58,8 @@ pub struct MeshSection<'a> {
     pub mesh: Option<&'a TriMesh>,
     /// The runs, in the order of the table. The same order for every mesh keeps a solver's colour.
     pub runs: Vec<SolverRun<'a>>,
+    /// Whether the lowest F is looked for among layouts that do not overlap themselves, and not among all that are valid.
+    pub injective_only: bool,
 }
 
 /// One run of one solver.
@@ -77,6 +79,11 @@ pub struct SolverRun<'a> {
     pub outer: Vec<(f64, f64)>,
     /// The residual after every inner iteration, for iterative inner solvers.
     pub inner: Vec<f64>,
+    /// How it converged in time: seconds and residual.
+    pub timed: Vec<(f64, f64)>,
+    /// How its energies fell in time, each with its name: seconds and energy. Those of one name are drawn together, and no
+    /// others.
+    pub energies: Vec<(String, Vec<(f64, f64)>)>,
 }
 
 /// A cell of the table of runs.

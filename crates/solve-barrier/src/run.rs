@@ -113,9 +113,11 @@ impl<'p, 'a> BarrierRun<'p, 'a> {
         stop: &StopCriteria,
         watch: &mut Watch<'_>,
     ) -> Result<(Vec<f64>, Termination, Vec<IterationRecord>), SolveError> {
+        let residual = constraint_residual(self.problem, &self.iterate.angles, &self.iterate.residual);
+        watch.start_from(slack::corner_count(self.problem), residual, Some(self.iterate.energy))?;
         let termination = loop {
             // A factorisation cannot be interrupted, so ask before it.
-            if !watch.inner(0, f64::NAN)? {
+            if watch.interruption().is_some() || !watch.inner(0, f64::NAN)? {
                 break watch.interruption().unwrap_or(Termination::Cancelled);
             }
             let made = self.iterate(stop, watch);

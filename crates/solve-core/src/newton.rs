@@ -89,6 +89,7 @@ impl NewtonSettings {
         stop.check()?;
         self.check()?;
         let mut watch = Watch::start(stop, observer);
+        start(problem, &mut watch)?;
         let mut step = prepare(&mut watch)?;
         watch.checkpoint()?;
         self.run(problem, stop, &mut watch, &mut step)
@@ -110,6 +111,7 @@ impl NewtonSettings {
         stop.check()?;
         self.check()?;
         let mut watch = Watch::start(stop, observer);
+        start(problem, &mut watch)?;
         self.run(problem, stop, &mut watch, step)
     }
 
@@ -173,6 +175,13 @@ impl NewtonSettings {
             }
         }
     }
+}
+
+/// Reports the initial guess.
+fn start(problem: &AngleProblem<'_>, watch: &mut Watch<'_>) -> Result<(), Cancelled> {
+    let guess = problem.initial_guess();
+    let residual = max_residual(problem.topology(), problem.rows(), guess);
+    watch.start_from(guess.len(), residual, Some(problem.energy(guess)))
 }
 
 /// The workspace of one solve.

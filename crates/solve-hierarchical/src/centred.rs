@@ -45,6 +45,7 @@ pub(crate) fn solve(
     let (topology, rows) = (problem.topology(), problem.rows());
     let inner = LeastCorrection::new(topology, rows, lambda.clone(), &mut || watch.checkpoint())?;
     let (residual, wheel) = linearise(rows, &start);
+    watch.start_from(start.len(), constraint_residual(problem, &start, &residual), None)?;
     let mut passes = Passes { problem, stop, lambda, inner, angles: start, residual, wheel, history: Vec::new() };
     let (mut best, mut best_residual, mut in_vain) = (Vec::new(), f64::INFINITY, 0);
     let termination = loop {

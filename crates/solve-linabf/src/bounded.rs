@@ -33,6 +33,7 @@ pub(crate) fn solve(
 ) -> Result<AngleSolution, SolveError> {
     let mut watch = Watch::start(stop, observer);
     let run = BoundedRun::new(problem, conditions, stop, &mut watch)?;
+    run.so_far.start(problem, &mut watch)?;
     linabf.make_passes(run, problem, stop, &mut watch)
 }
 

@@ -39,6 +39,7 @@ pub(crate) fn solve(
     let mut watch = Watch::start(stop, observer);
     let step = DirectStep::asking(problem.topology(), problem.rows(), &mut || watch.checkpoint())?;
     let run = BoxedRun::new(problem, error_bound, step);
+    run.so_far.start(problem, &mut watch)?;
     linabf.make_passes(run, problem, stop, &mut watch)
 }
 

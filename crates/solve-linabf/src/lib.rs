@@ -152,7 +152,8 @@ impl AngleSolver for LinAbf {
         let first = linearise(problem.rows(), problem.initial_guess());
         watch.checkpoint()?;
         let run = LinAbfRun::new((problem, stop), inner, first).at_expected();
-        watch.checkpoint()?;
+        let angles = &run.so_far.angles;
+        watch.start_from(angles.len(), constraint_residual(problem, angles, &run.residual), None)?;
         self.make_passes(run, problem, stop, &mut watch)
     }
 }

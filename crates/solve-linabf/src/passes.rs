@@ -1,8 +1,8 @@
 //! What all forms of LinABF have in common: pass after pass until there are enough of them.
 
 use crate::{IMPROVEMENT, LinAbf, Passes};
-use abf_constraints::AngleProblem;
-use abf_control::{IterationRecord, StopCriteria, Termination, Watch};
+use abf_constraints::{AngleProblem, max_residual};
+use abf_control::{Cancelled, IterationRecord, StopCriteria, Termination, Watch};
 use abf_solve_core::{AngleSolution, SolveError, StepError};
 
 /// Where the passes of one solve are.
@@ -26,6 +26,12 @@ impl SoFar {
             best_residual: f64::INFINITY,
             passes_without_improvement: 0,
         }
+    }
+
+    /// Reports the initial guess.
+    pub(crate) fn start(&self, problem: &AngleProblem<'_>, watch: &mut Watch<'_>) -> Result<(), Cancelled> {
+        let residual = max_residual(problem.topology(), problem.rows(), &self.angles);
+        watch.start_from(self.angles.len(), residual, None)
     }
 
     /// Keeps the angles inside the bounds, before a pass. How many were moved now, and how many the pass is told to have

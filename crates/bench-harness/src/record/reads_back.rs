@@ -4,7 +4,7 @@ use super::atlas::{Atlas, ChartSettings, Charted, Narrow};
 use super::change::Change;
 use super::failure::Failure;
 use super::head::Head;
-use super::history::{Curves, Histories, History};
+use super::history::{Ended, Histories, History, Trace};
 use super::json::{Document, SCHEMA, pretty};
 use super::kind::{FailureKind, NotRunKind, Refused};
 use super::location::Location;
@@ -442,11 +442,11 @@ proptest! {
     fn every_history_reads_back_equal(
         numbers in prop::collection::vec((any::<f64>(), any::<Option<f64>>(), any::<usize>(), any::<bool>()), 0..4),
     ) {
-        let mut curves = Curves::default();
-        let iteration = |&(x, y, n, yes): &(f64, Option<f64>, usize, bool)| {
-            curves.inner(x);
-            curves.outer();
-            IterationRecord {
+        let mut trace = Trace::of("uzawa");
+        for &(x, y, n, yes) in &numbers {
+            trace.inner(x);
+            trace.drawing(x, n);
+            let record = IterationRecord {
                 iteration: n,
                 constraint_residual: x,
                 step: x,
@@ -454,10 +454,13 @@ proptest! {
                 inner_estimate: y,
                 inner_converged: yes,
                 ..IterationRecord::default()
-            }
-        };
-        let records: Vec<IterationRecord> = numbers.iter().map(iteration).collect();
-        let history = History::new("a \"mesh\"", "uzawa".to_owned(), &records, curves.into_done());
+            };
+            trace.start(&record, n, 0.25);
+            trace.iteration(&record, 0.5);
+        }
+        let (mesh, solved_by) = ("a \"mesh\"".to_owned(), "uzawa".to_owned());
+        let figures = numbers.first().map(|&(x, _, n, _)| (x, n));
+        let history = History::new(&abf::Pipeline::default(), Ended { mesh, solved_by, corners: 3, figures }, trace);
         reads_back(&Histories { head: Head::new("history"), runs: vec![history] });
     }
 }

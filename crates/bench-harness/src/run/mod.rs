@@ -14,7 +14,7 @@ use crate::cli::charts::Charting;
 use crate::cli::methods::Method;
 use crate::cli::sheet::Sheet;
 use crate::record::failure::Failure;
-use crate::record::history::History;
+use crate::record::history::{Ended, History};
 use crate::record::{Kkt, Quality, Record, RunRecord, Size, Stages, Timings};
 use crate::run::cancel::Cancel;
 use crate::run::charts::{Charts, charts};
@@ -22,7 +22,7 @@ use crate::run::load::Loaded;
 use crate::run::progress::Progress;
 use crate::show::advice;
 use abf::constraints::ProblemError;
-use abf::{AngleSolution, Developed, FlattenError, Flattening, Termination};
+use abf::{Developed, FlattenError, Flattening, Termination};
 use abf_mesh::{Topology, TopologyError, TriMesh, UvMap, VertexId};
 use std::time::Instant;
 
@@ -37,7 +37,7 @@ pub(crate) struct Flattened {
     pub(crate) seams: Vec<[VertexId; 2]>,
     /// Its charts side by side in units of the mesh, if they are to be drawn.
     pub(crate) sheet: Option<Developed>,
-    /// Every iteration, if there was a solver.
+    /// Every iteration, if they were wanted.
     pub(crate) history: Option<History>,
     /// Whether no other solver can do better, because the mesh itself cannot be flattened.
     pub(crate) mesh_is_unusable: bool,
@@ -56,8 +56,8 @@ pub(crate) struct Wanted<'a> {
     pub(crate) charting: Option<&'a Charting>,
     /// How they lie on a sheet, if they do.
     pub(crate) sheet: Option<&'a Sheet>,
-    /// Whether inner iterations are collected.
-    pub(crate) with_curves: bool,
+    /// Whether every iteration is collected.
+    pub(crate) with_history: bool,
 }
 
 /// The bits that runs of the same settings have in common.
@@ -69,7 +69,7 @@ pub(crate) struct Fingerprint {
 
 /// Flattens and judges a mesh. Whatever goes wrong is in the record.
 pub(crate) fn flatten(loaded: &Loaded, method: &Method, wanted: &Wanted<'_>, cancel: &Cancel) -> Flattened {
-    let &Wanted { charting, sheet, with_curves } = wanted;
+    let &Wanted { charting, sheet, with_history } = wanted;
     let solver = method.pipeline.solver.name().to_owned();
     let mut record = Record { solver: Some(solver.clone()), ..loaded.record() };
     if let Some(not_run) = method.not_run(loaded.mesh()) {
@@ -85,7 +85,7 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, wanted: &Wanted<'_>, can
     if let Some(charting) = charting.filter(|charting| charting.is_for(loaded.is_gltf())) {
         return in_charts(loaded, method, (charting, sheet), cancel, record);
     }
-    let mut progress = watch(loaded, method, cancel).with_curves(with_curves);
+    let mut progress = watch(loaded, method, cancel).with_trace(with_history.then_some(solver.as_str()));
     let mesh = loaded.sized();
     // Inside the pool once, and not anew for every loop that is shared out.
     let flat = match (rayon::scope(|_| method.pipeline.run(mesh, &mut progress)), charting) {
@@ -137,12 +137,13 @@ pub(crate) fn flatten(loaded: &Loaded, method: &Method, wanted: &Wanted<'_>, can
     record.peak_memory_bytes = Some(loaded.peak_bytes(heap));
     record.kkt = method.pipeline.solver.kind().finds_angles().then(|| Kkt::new(flat.kkt));
     record.hint = advice::next_to_try(&record, charting.is_some());
-    let iterations = flat.solution.as_ref().map_or(&[][..], AngleSolution::history);
-    // The curves are those of the last rung, which may not be the one whose result this is.
-    let is_last = flat.rungs.last().is_none_or(|rung| rung.solver == flat.solver);
-    let curves = if is_last { progress.take_curves() } else { Vec::new() };
-    let history = History::new(&loaded.name, solver, iterations, curves);
-    Flattened { record, uv: Some(uv), seams: Vec::new(), sheet: drawn, history: Some(history), mesh_is_unusable: false }
+    let history = progress.take_trace().map(|trace| {
+        let (mesh, solved_by) = (loaded.name.clone(), flat.solver.to_string());
+        let figures = record.quality.as_ref().map(|quality| (quality.f, quality.flips));
+        let ended = Ended { mesh, solved_by, corners: 3 * triangles, figures };
+        History::new(&method.pipeline, ended, trace)
+    });
+    Flattened { record, uv: Some(uv), seams: Vec::new(), sheet: drawn, history, mesh_is_unusable: false }
 }
 
 /// Whether cutting may help.

@@ -2,7 +2,7 @@
 //! Ctrl-C.
 
 use crate::record::Stages;
-use crate::record::history::Curves;
+use crate::record::history::{Part, Trace};
 use crate::run::cancel::Cancel;
 use abf::{Event, Observer, Stage, UnwrapProgress, Verdict};
 use cpu_time::ProcessTime;
@@ -34,25 +34,28 @@ pub(crate) struct Progress<'a> {
     end: Option<Instant>,
     /// What the processors did between the beginning of the first stage and the end of the layout.
     cpu: Cpu,
-    /// The inner curves, if they are wanted.
-    curves: Option<Curves>,
+    /// Every iteration, if they are wanted.
+    trace: Option<Trace>,
+    /// When the first stage began.
+    begin: Option<Instant>,
 }
 
 impl<'a> Progress<'a> {
     /// Starts watching work of that name.
     pub(crate) fn new(name: &str, cancel: &'a Cancel) -> Self {
         let line = io::stderr().is_terminal().then(|| Line::new(name));
-        Self { cancel, line, pieces: BTreeMap::new(), rungs: Vec::new(), end: None, cpu: Cpu::default(), curves: None }
+        let (pieces, cpu) = (BTreeMap::new(), Cpu::default());
+        Self { cancel, line, pieces, rungs: Vec::new(), end: None, cpu, trace: None, begin: None }
     }
 
-    /// Collects the curves of inner solves, if `wanted`.
-    pub(crate) fn with_curves(self, wanted: bool) -> Self {
-        Self { curves: wanted.then(Curves::default), ..self }
+    /// Collects every iteration of that solver, if there is one.
+    pub(crate) fn with_trace(self, solver: Option<&str>) -> Self {
+        Self { trace: solver.map(Trace::of), ..self }
     }
 
-    /// One curve for every outer iteration; none if they were not wanted.
-    pub(crate) fn take_curves(&mut self) -> Vec<Vec<f64>> {
-        self.curves.take().map(Curves::into_done).unwrap_or_default()
+    /// Every iteration, if they were wanted.
+    pub(crate) fn take_trace(&mut self) -> Option<Trace> {
+        self.trace.take()
     }
 
     /// Says what is being done outside the stages that the library reports.
@@ -102,6 +105,22 @@ impl<'a> Progress<'a> {
 
     fn end(&self) -> Instant {
         self.end.unwrap_or_else(Instant::now)
+    }
+
+    /// Keeps what is known of an iteration, if that is wanted.
+    fn note(&mut self, event: Event<'_>, now: Instant) {
+        let Some(trace) = &mut self.trace else { return };
+        let time_s = now.duration_since(*self.begin.get_or_insert(now)).as_secs_f64();
+        match event {
+            Event::StageStarted(Stage::Relax) => trace.stage(Part::Relax),
+            Event::StageStarted(Stage::Topology | Stage::Solve) => trace.stage(Part::Solve),
+            Event::RungStarted(solver) => trace.rung(solver),
+            Event::Start { record, corners } => trace.start(record, corners, time_s),
+            Event::Drawing(drawing) => trace.drawing(drawing.f(), drawing.flips()),
+            Event::Inner { relative_residual, .. } => trace.inner(relative_residual),
+            Event::Iteration(record) => trace.iteration(record, time_s),
+            _ => {}
+        }
     }
 }
 
@@ -165,6 +184,7 @@ impl Observer for Progress<'_> {
             line.faces(place.faces_done, place.faces);
         }
         let now = Instant::now();
+        self.note(event, now);
         let clock = self.pieces.entry((place.component, place.chart)).or_default();
         clock.heard = (place.charts > 0).then_some(now);
         match event {
@@ -182,24 +202,13 @@ impl Observer for Progress<'_> {
                     },
                 ));
             }
-            Event::RungStarted(_) => {
-                self.rungs.push(Instant::now());
-                // The curves are those of the last solver.
-                self.curves = self.curves.take().map(|_| Curves::default());
-            }
-            Event::Inner { relative_residual, .. } => {
-                if let Some(curves) = &mut self.curves {
-                    curves.inner(relative_residual);
-                }
-            }
+            Event::RungStarted(_) => self.rungs.push(now),
             Event::Iteration(record) => {
-                if let Some(curves) = &mut self.curves {
-                    curves.outer();
-                }
                 let is_relaxing = clock.starts.last().is_some_and(|&(stage, _)| stage == Stage::Relax);
-                let done = match record.energy.filter(|_| is_relaxing) {
-                    Some(energy) => format!("relaxing: {} done, energy {energy:.4e}", record.iteration),
-                    None => format!("solving: {} done, residual {:.1e}", record.iteration, record.constraint_residual),
+                let done = match record.energy {
+                    Some(energy) if is_relaxing => format!("relaxing: {} done, energy {energy:.4e}", record.iteration),
+                    None if is_relaxing => format!("relaxing: {} done, to shapes within reach", record.iteration),
+                    _ => format!("solving: {} done, residual {:.1e}", record.iteration, record.constraint_residual),
                 };
                 self.say(at(place, &done));
             }
@@ -266,6 +275,7 @@ impl Drop for Line {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::history::{Ended, History};
 
     #[test]
     fn stages_are_timed_from_their_start_to_the_start_of_the_next() {
@@ -310,7 +320,8 @@ mod tests {
     #[test]
     fn inner_curves_are_cut_at_outer_iterations() {
         let cancel = Cancel::default();
-        let mut progress = Progress::new("a mesh", &cancel).with_curves(true);
+        let mut progress = Progress::new("a mesh", &cancel).with_trace(Some("uzawa"));
+        let ended = Ended { mesh: "a mesh".to_owned(), solved_by: "uzawa".to_owned(), corners: 3, figures: None };
         let record = abf::IterationRecord::default();
         for estimates in [&[0.5, 0.1][..], &[f64::NAN], &[0.2]] {
             for &relative_residual in estimates {
@@ -318,7 +329,10 @@ mod tests {
             }
             progress.observe(Event::Iteration(&record));
         }
-        assert_eq!(progress.take_curves(), [vec![0.5, 0.1], vec![], vec![0.2]]);
-        assert!(progress.take_curves().is_empty());
+        let trace = progress.take_trace().expect("wanted");
+        let history = History::new(&abf::Pipeline::default(), ended, trace);
+        let curves: Vec<&[f64]> = history.iterations.iter().map(|done| done.inner.as_slice()).collect();
+        assert_eq!(curves, [&[0.5, 0.1][..], &[], &[0.2]]);
+        assert!(progress.take_trace().is_none());
     }
 }

@@ -3,6 +3,7 @@
 pub(crate) mod advice;
 pub(crate) mod console;
 pub(crate) mod files;
+pub(crate) mod history;
 pub(crate) mod table;
 
 use crate::cli::targets::JsonTarget;

@@ -209,3 +209,37 @@ fn comparisons_that_make_no_sense_are_refused() {
     }
     assert_eq!(run_on("compare", &[]).code, 2, "it needs a mesh or a folder");
 }
+
+#[test]
+fn the_histories_of_all_solvers_are_in_one_file_as_json_or_as_rows() {
+    let folder = Folder::new();
+    let [json, csv] = ["h.json", "h.csv"].map(|name| folder.path(name));
+    for file in [&json, &csv] {
+        let ran = compare(&format!("--repeats 1 --history {}", file.display()), &refs(&three_meshes()));
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+    }
+    let read = |path: &Path| std::fs::read_to_string(path).expect("written");
+    let history: Value = serde_json::from_str(&read(&json)).expect("JSON");
+    let runs = history["runs"].as_array().expect("a list");
+    assert_eq!(runs.len(), MESHES.len() * SOLVERS.len());
+    let written = read(&csv);
+    let heads = cells(written.lines().next().expect("a head"));
+    let at = |name: &str| heads.iter().position(|head| head == name).unwrap_or_else(|| panic!("{name}: {heads:?}"));
+    let rows: Vec<Vec<String>> = written.lines().skip(1).map(cells).collect();
+    let iterations = || {
+        let of_run = |run: &Value| run["iterations"].as_array().expect("a list").clone();
+        runs.iter().flat_map(move |run| of_run(run).into_iter().map(move |done| (run, done)))
+    };
+    assert_eq!(rows.len(), iterations().count());
+    for ((run, done), row) in iterations().zip(&rows) {
+        assert_eq!((&run["solver"], &done["by"]), (&row[at("solver")].as_str().into(), &row[at("by")].as_str().into()));
+        assert_eq!(row[at("iteration")].parse::<u64>().ok(), done["iteration"].as_u64());
+        assert_eq!(row[at("constraint_residual")].parse::<f64>().ok(), done["constraint_residual"].as_f64());
+        assert!(row[at("settings")].contains("stop.tolerance=1e-8"), "{row:?}");
+    }
+    let page = folder.path("page.html");
+    let ran = compare(&format!("--repeats 1 --lowest injective --report {}", page.display()), &refs(&three_meshes()));
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(read(&page).contains("of the injective layouts") && read(&page).contains("Against time"));
+    assert_eq!(compare("--lowest injective", &refs(&three_meshes())).code, 2, "there is no page to name it on");
+}

@@ -82,7 +82,7 @@ fn an_output_through_a_link_goes_where_the_link_points() {
 fn a_minus_is_stdout_for_everything_that_programs_read() {
     let pyramid = fixture("pyramid");
     let history = run_on("--history -", &[&pyramid]);
-    assert_eq!(history.json()["schema"], "bench-harness-history/2");
+    assert_eq!(history.json()["schema"], "bench-harness-history/3");
     assert!(history.stderr.contains("yes: no flipped"), "the table makes way: {}", history.stderr);
     let compare =
         |option: &str| run_on(&format!("compare --solver lscm --warmup 0 --repeats 1 {option} -"), &[&pyramid]);

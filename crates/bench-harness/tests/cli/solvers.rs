@@ -232,13 +232,17 @@ fn the_history_has_every_outer_and_inner_iteration() {
     let options = format!("--solver all --json - --history {}", file.display());
     let results = run_on(&options, &[&fixture("letter-x")]).json()["results"].clone();
     let history: Value = serde_json::from_slice(&std::fs::read(&file).expect("written")).expect("JSON");
-    assert_eq!(history["schema"], "bench-harness-history/2");
+    assert_eq!(history["schema"], "bench-harness-history/3");
     let runs = history["runs"].as_array().expect("a list");
     assert_eq!(runs.len(), SOLVERS.len());
     for (run, result) in runs.iter().zip(results.as_array().expect("a list")) {
         let solver = run["solver"].as_str().expect("a name");
         assert_eq!((&run["mesh"], &run["solver"]), (&result["mesh"], &result["solver"]));
-        let iterations = run["iterations"].as_array().expect("a list");
+        assert_eq!(run["settings"], result["settings"], "{solver}");
+        assert_eq!((&run["f"], &run["flips"]), (&result["f"], &result["flips"]), "{solver}");
+        let rows = run["iterations"].as_array().expect("a list");
+        check_rows(rows, solver);
+        let iterations: Vec<&Value> = rows.iter().filter(|row| row["iteration"] != 0).collect();
         assert_eq!(iterations.len() as u64, whole(&result["iterations"]), "{solver}");
         let Some(last) = iterations.last() else { continue };
         assert_eq!(last["constraint_residual"], result["constraint_residual"], "{solver}");
@@ -253,6 +257,39 @@ fn the_history_has_every_outer_and_inner_iteration() {
             }
         }
     }
+}
+
+/// Every start has its iteration 0, time goes on, and only solvers that move vertices have a drawing.
+fn check_rows(rows: &[Value], solver: &str) {
+    let starts = rows.iter().filter(|row| row["iteration"] == 0).count() as u64;
+    assert_eq!(rows.last().map_or(0, |row| whole(&row["start"])), starts, "{solver}");
+    assert!(rows.first().is_none_or(|row| row["iteration"] == 0), "{solver}");
+    let times: Vec<f64> = rows.iter().map(|row| row["time_s"].as_f64().expect("seconds")).collect();
+    assert!(times.is_sorted() && times.iter().all(|&s| s >= 0.0), "{solver}: {times:?}");
+    for row in rows {
+        assert_eq!(row["f"].is_number(), solver == "descent", "{solver}: {row}");
+        assert_eq!(row["flips"].is_number(), solver == "descent", "{solver}: {row}");
+        assert_eq!(row["energy"].is_number(), row["energy_of"] == "abf", "{solver}: {row}");
+    }
+}
+
+#[test]
+fn the_history_of_a_drawing_ends_with_the_figures_of_the_result_and_goes_on_while_it_is_relaxed() {
+    let mesh = fixture("letter-x");
+    let descent = run_on("--solver descent --history -", &[&mesh]).json()["runs"][0].clone();
+    let last = descent["iterations"].as_array().and_then(|rows| rows.last()).expect("rows").clone();
+    let (f, end) = (last["f"].as_f64().expect("F"), descent["f"].as_f64().expect("F"));
+    assert!((f - end).abs() < 1e-9 * end, "{f} {end}");
+    assert_eq!((&last["flips"], &descent["flips"]), (&0.into(), &0.into()));
+
+    let relaxed = run_on("--energy isometric --history -", &[&mesh]).json()["runs"][0].clone();
+    let rows = relaxed["iterations"].as_array().expect("rows");
+    let relaxing: Vec<&Value> = rows.iter().filter(|row| row["stage"] == "relax").collect();
+    assert_eq!(relaxing[0]["iteration"], 0);
+    assert!(relaxing.iter().all(|row| row["energy_of"] == "isometric" && row["constraint_residual"].is_null()));
+    let energies: Vec<f64> = relaxing.iter().map(|row| row["energy"].as_f64().expect("an energy")).collect();
+    assert!(energies.len() > 2 && energies.windows(2).all(|pair| pair[1] <= pair[0]), "{energies:?}");
+    assert!(relaxed["notes"].to_string().contains("no f and no flips of linabf"), "{}", relaxed["notes"]);
 }
 
 #[test]

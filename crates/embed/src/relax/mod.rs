@@ -95,9 +95,10 @@ impl Relax {
         watch.checkpoint()?;
         let uv = scaled_by(topology, uv, energies.isometric.best_scale(topology, start));
         let directions = Directions::new(topology, &[crowded], &mut || watch.checkpoint())?;
-        let mut run = Run::new(self, topology, uv, directions, mesh.area());
+        let mut run = Run::new(self, problem, uv, directions, mesh.area());
         let terms = energies.terms(topology, &[]);
         let energy_before = terms.without_barrier(&run.uv);
+        run.start(&terms, &mut watch)?;
         if self.energy != Energy::Abf {
             approach(&mut run, &energies.isometric, &mut watch)?;
         }

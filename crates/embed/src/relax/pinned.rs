@@ -122,7 +122,7 @@ impl Relax {
         let unit = mesh.area().sqrt() / double_area(topology, &drawing.uv).sqrt() * std::f64::consts::SQRT_2;
         if !pins.need_a_similarity_only() {
             let mut watch = Watch::start(stop, observer);
-            let work = Pinned { relax: self, topology, pins: &pins.pins, unit, area: mesh.area() };
+            let work = Pinned { relax: self, problem, topology, pins: &pins.pins, unit, area: mesh.area() };
             work.bring(&energies, &mut drawing, &mut watch)?;
         }
         put(topology, &mut drawing.uv, &pins.pins, NEAR * mesh.area().sqrt() / unit);
@@ -143,8 +143,9 @@ impl Relax {
 }
 
 /// A drawing that is brought to its pins.
-struct Pinned<'p> {
+struct Pinned<'p, 'a> {
     relax: &'p Relax,
+    problem: &'p AngleProblem<'a>,
     topology: &'p Topology,
     pins: &'p [Pin],
     /// By what the drawing is multiplied to be as large as the surface.
@@ -152,7 +153,7 @@ struct Pinned<'p> {
     area: f64,
 }
 
-impl Pinned<'_> {
+impl Pinned<'_, '_> {
     fn bring(
         &self,
         energies: &Energies<'_, '_>,
@@ -165,6 +166,7 @@ impl Pinned<'_> {
             last_weight = weight;
             let springs = self.springs(weight, |_| true);
             let terms = energies.terms(self.topology, &springs);
+            run.start(&terms, watch)?;
             drawing.termination = run.descend(&terms, watch)?;
             if drawing.termination.is_interruption() || self.are_near(&run.uv) {
                 break;
@@ -182,7 +184,9 @@ impl Pinned<'_> {
             let mut last = self.run(drawing.uv.iter().map(|p| p * self.unit).collect(), &held, watch)?;
             last.max_steps = self.relax.max_steps.saturating_sub(steps.len()).max(1);
             let springs = self.springs(last_weight, |pin| !is_held[pin.vertex as usize]);
-            drawing.termination = last.descend(&energies.terms(self.topology, &springs), watch)?;
+            let terms = energies.terms(self.topology, &springs);
+            last.start(&terms, watch)?;
+            drawing.termination = last.descend(&terms, watch)?;
             // The held ones to the bit.
             let mut exact: Vec<Point2<f64>> = last.uv.iter().map(|p| p / self.unit).collect();
             held.iter().for_each(|v| exact[v.index()] = drawing.uv[v.index()]);
@@ -205,7 +209,7 @@ impl Pinned<'_> {
 
     fn run(&self, uv: Vec<Point2<f64>>, held: &[VertexId], watch: &mut Watch<'_>) -> Result<Run<'_>, EmbedError> {
         let directions = Directions::new(self.topology, held, &mut || watch.checkpoint())?;
-        Ok(Run::new(self.relax, self.topology, uv, directions, self.area))
+        Ok(Run::new(self.relax, self.problem, uv, directions, self.area))
     }
 
     /// Hard pins with this weight, soft ones with their own.

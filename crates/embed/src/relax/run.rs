@@ -2,7 +2,9 @@
 
 use super::settings::Relax;
 use super::terms::{Direction, Directions, Terms};
+use crate::drawn::Drawn;
 use crate::plane::{angles, of_face};
+use abf_constraints::AngleProblem;
 use abf_control::{Cancelled, IterationRecord, Termination, Watch};
 use abf_linalg::{LinearError, LinearStats};
 use abf_mesh::{Point2, Topology, Vector2, VertexId};
@@ -46,6 +48,8 @@ pub(crate) struct Run<'r> {
     pub(crate) steps: Vec<RelaxStep>,
     /// As observers were told of them.
     pub(crate) reported: Vec<IterationRecord>,
+    /// Of the surface, one per corner, rad.
+    pub(crate) mesh_angles: &'r [f64],
     pub(crate) tolerance: f64,
     pub(crate) max_steps: usize,
     /// The side of a square as large as the surface.
@@ -67,13 +71,15 @@ impl<'r> Run<'r> {
     /// A drawing of a surface with this area.
     pub(crate) fn new(
         relax: &Relax,
-        topology: &'r Topology,
+        problem: &'r AngleProblem<'_>,
         uv: Vec<Point2<f64>>,
         directions: Directions,
         area: f64,
     ) -> Self {
         let (tolerance, max_steps, unit) = (relax.energy_tolerance, relax.max_steps, area.sqrt());
-        Self { topology, uv, directions, steps: Vec::new(), reported: Vec::new(), tolerance, max_steps, unit }
+        let (topology, mesh_angles) = (problem.topology(), problem.mesh_angles());
+        let (steps, reported) = (Vec::new(), Vec::new());
+        Self { topology, uv, directions, steps, reported, mesh_angles, tolerance, max_steps, unit }
     }
 
     /// Steps until there is nothing more to gain.
@@ -88,6 +94,16 @@ impl<'r> Run<'r> {
                 Outcome::Stuck => return Ok(Termination::Stalled),
             }
         }
+    }
+
+    /// Reports the drawing that there is, and what it costs.
+    pub(crate) fn start(&self, terms: &Terms<'_>, watch: &mut Watch<'_>) -> Result<(), Cancelled> {
+        watch.drawing(&self.drawn())?;
+        watch.start_from(self.mesh_angles.len(), 0.0, Some(terms.value(&self.uv)))
+    }
+
+    fn drawn(&self) -> Drawn<'_> {
+        Drawn { topology: self.topology, mesh_angles: self.mesh_angles, uv: &self.uv }
     }
 
     /// Why there must be no further step.
@@ -127,6 +143,7 @@ impl<'r> Run<'r> {
         }
         let record = reported(&step);
         self.reported.push(record);
+        watch.drawing(&self.drawn())?;
         watch.iteration(&record)?;
         Ok(match (is_last, has_moved) {
             (true, _) => Outcome::Done,
@@ -164,7 +181,8 @@ struct Found {
     share: f64,
 }
 
-/// What observers of solvers know how to read. A drawing closes by itself, so there is no residual.
+/// What observers of solvers know how to read. A drawing closes by itself, so there is no residual. The energy of shapes
+/// within reach is another at every step, and none to follow.
 fn reported(step: &RelaxStep) -> IterationRecord {
     IterationRecord {
         iteration: step.iteration,
@@ -172,7 +190,7 @@ fn reported(step: &RelaxStep) -> IterationRecord {
         inner_iterations: step.linear.iterations,
         inner_residual: step.linear.relative_residual,
         inner_converged: true,
-        energy: Some(step.energy),
+        energy: Some(step.energy).filter(|_| !step.is_progressive),
         step_length: step.step_length,
         ..IterationRecord::default()
     }

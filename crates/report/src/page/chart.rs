@@ -90,6 +90,12 @@ impl Axis {
         axis
     }
 
+    /// An axis of amounts from 0 up, however small they are.
+    pub(crate) fn amounts(high: f64) -> Self {
+        let high = if high > 0.0 { high } else { 1.0 };
+        Self::linear(0.0, high, round)
+    }
+
     /// An axis of exponents of ten.
     pub(crate) fn decades(low: i32, high: i32) -> Self {
         let high = high.max(low + 1);

@@ -1,4 +1,6 @@
-//! How the runs converged: residuals on a logarithmic scale, one line for each run.
+//! How the runs converged: residuals and energies on a logarithmic scale, one line for each run.
+
+use std::collections::BTreeSet;
 
 use super::chart::{Axis, Frame, Look};
 use super::html::{Html, escape};
@@ -18,17 +20,56 @@ const MARKERS: usize = 8;
 /// The decades shown below the largest residual, at most.
 const DECADES: i32 = 20;
 
+/// What a chart says of itself.
+struct Titles<'a> {
+    /// Of both axes.
+    x: &'a str,
+    y: &'a str,
+    heading: &'a str,
+    /// What is drawn.
+    what: &'a str,
+    /// Whether there is nothing between whole numbers along x.
+    is_counted: bool,
+}
+
+const OUTER: Titles<'static> =
+    Titles { x: "outer iteration", y: "residual", heading: "Outer iterations", what: "residual", is_counted: true };
+const INNER: Titles<'static> =
+    Titles { x: "inner iteration", y: "residual", heading: "Inner iterations", what: "residual", is_counted: true };
+const TIMED: Titles<'static> =
+    Titles { x: "seconds", y: "residual", heading: "Against time", what: "residual", is_counted: false };
+
 /// The residual after every outer iteration; nothing if no run has any.
 pub(crate) fn outer(judgement: &Judgement<'_>) -> String {
     let series = collect(judgement, |k| judgement.section.runs[k].outer.clone());
-    figure(&series, judgement.section.name, ["outer iteration", "residual"], "Outer iterations")
+    figure(&series, judgement.section.name, &OUTER)
+}
+
+/// The residual against time; nothing if no run has any.
+pub(crate) fn timed(judgement: &Judgement<'_>) -> String {
+    let series = collect(judgement, |k| judgement.section.runs[k].timed.clone());
+    figure(&series, judgement.section.name, &TIMED)
+}
+
+/// Every energy against time, those of one name together; nothing if no run has any.
+pub(crate) fn energies(judgement: &Judgement<'_>) -> String {
+    let runs = &judgement.section.runs;
+    let names: BTreeSet<&str> = runs.iter().flat_map(|run| &run.energies).map(|(name, _)| name.as_str()).collect();
+    let chart = |name: &str| {
+        let of_run = |k: usize| runs[k].energies.iter().find(|(other, _)| other == name);
+        let series = collect(judgement, |k| of_run(k).map(|(_, curve)| curve.clone()).unwrap_or_default());
+        let heading = format!("The energy {name}");
+        let titles = Titles { x: "seconds", y: "energy", heading: &heading, what: "energy", is_counted: false };
+        figure(&series, judgement.section.name, &titles)
+    };
+    names.into_iter().map(chart).collect()
 }
 
 /// The residual after every inner iteration; nothing if no run has any.
 pub(crate) fn inner(judgement: &Judgement<'_>) -> String {
     let counted = |residuals: &[f64]| residuals.iter().enumerate().map(|(k, &r)| ((k + 1) as f64, r)).collect();
     let series = collect(judgement, |k| counted(&judgement.section.runs[k].inner));
-    figure(&series, judgement.section.name, ["inner iteration", "residual"], "Inner iterations")
+    figure(&series, judgement.section.name, &INNER)
 }
 
 /// The line of one run.
@@ -44,10 +85,11 @@ impl Series<'_> {
         self.points[self.points.len() - 1]
     }
 
-    /// The last residual and its iteration, in words.
-    fn in_words(&self) -> String {
-        let (iteration, residual) = self.last();
-        format!("{} after {iteration}", significant(residual, 2))
+    /// The last value and its iteration or second, in words.
+    fn in_words(&self, titles: &Titles<'_>) -> String {
+        let (x, value) = self.last();
+        let after = if titles.is_counted { x.to_string() } else { format!("{} s", significant(x, 3)) };
+        format!("{} after {after}", significant(value, 2))
     }
 }
 
@@ -63,11 +105,11 @@ fn collect<'a>(judgement: &'a Judgement<'_>, points: impl Fn(usize) -> Vec<(f64,
 }
 
 /// The chart with its legend.
-fn figure(series: &[Series<'_>], mesh: &str, titles: [&str; 2], heading: &str) -> String {
+fn figure(series: &[Series<'_>], mesh: &str, titles: &Titles<'_>) -> String {
     if series.is_empty() {
         return String::new();
     }
-    let frame = frame(series);
+    let frame = frame(series, titles.is_counted);
     let mut plot = String::new();
     let mut ends = Vec::new();
     for one in series {
@@ -76,21 +118,22 @@ fn figure(series: &[Series<'_>], mesh: &str, titles: [&str; 2], heading: &str) -
         plot.push_str(&drawn(one, &places));
     }
     plot.push_str(&names(series, &ends, &frame));
-    let all: Vec<String> = series.iter().map(|s| format!("{} {}", s.label, s.in_words())).collect();
-    let description = format!("{heading} on {mesh}, last residual and iteration: {}.", all.join("; "));
+    let all: Vec<String> = series.iter().map(|s| format!("{} {}", s.label, s.in_words(titles))).collect();
+    let Titles { x, y, heading, what, .. } = *titles;
+    let description = format!("{heading} on {mesh}, last {what} and {x}: {}.", all.join("; "));
     let mut html = Html::default();
     html.raw("<figure>");
-    html.raw(&frame.chart(&plot, titles, &description));
+    html.raw(&frame.chart(&plot, [x, y], &description));
     html.raw(&format!(
-        "<figcaption><p>{}: residual on a logarithmic scale.</p>\n{}</figcaption></figure>\n",
+        "<figcaption><p>{}: {what} on a logarithmic scale.</p>\n{}</figcaption></figure>\n",
         escape(heading),
-        legend(series)
+        legend(series, titles)
     ));
     html.finish()
 }
 
 /// Axes around all points. A residual of zero, which has no logarithm, lies on the lower end.
-fn frame(series: &[Series<'_>]) -> Frame {
+fn frame(series: &[Series<'_>], is_counted: bool) -> Frame {
     let all = || series.iter().flat_map(|s| &s.points);
     let last = all().map(|p| p.0).fold(0.0, f64::max);
     let exponents = || all().filter(|p| p.1 > 0.0).map(|p| p.1.log10());
@@ -98,7 +141,8 @@ fn frame(series: &[Series<'_>]) -> Frame {
     let high = if high.is_finite() { high as i32 } else { 0 };
     let low = exponents().fold(f64::INFINITY, f64::min).floor();
     let low = if low.is_finite() { (low as i32).max(high - DECADES) } else { high - 1 };
-    Frame::new(Axis::counts(last), Axis::decades(low, high), LABELS)
+    let x = if is_counted { Axis::counts(last) } else { Axis::amounts(last) };
+    Frame::new(x, Axis::decades(low, high), LABELS)
 }
 
 fn place(frame: &Frame, &(iteration, residual): &(f64, f64)) -> [f64; 2] {
@@ -174,12 +218,12 @@ fn shortened(label: &str) -> String {
 }
 
 /// Every line with its name and where it ended.
-fn legend(series: &[Series<'_>]) -> String {
+fn legend(series: &[Series<'_>], titles: &Titles<'_>) -> String {
     let mut html = Html::default();
     html.raw("<ul class=\"lines\">\n");
     for one in series {
         html.raw(&format!("<li>{}<span>", one.look.sample()));
-        html.text(&format!("{}: {}", one.label, one.in_words()));
+        html.text(&format!("{}: {}", one.label, one.in_words(titles)));
         html.raw("</span></li>\n");
     }
     html.raw("</ul>\n");
@@ -209,7 +253,7 @@ mod tests {
     #[test]
     fn a_residual_of_zero_lies_on_the_lower_end() {
         let series = [Series { label: "x", look: Look(0), points: vec![(0.0, 1.0), (1.0, 1e-3), (2.0, 0.0)] }];
-        let frame = frame(&series);
+        let frame = frame(&series, true);
         let [_, y] = place(&frame, &(2.0, 0.0));
         assert_eq!(y, frame.vertical()[1]);
     }

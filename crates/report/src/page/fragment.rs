@@ -1,7 +1,7 @@
 //! The part of the page about one mesh.
 
 use super::html::{Html, escape};
-use super::judge::{Judgement, Outcome, in_words};
+use super::judge::{DIGITS, Judgement, Outcome, in_words};
 use super::number::grouped;
 use super::summary::SummaryRow;
 use super::table::{runs_table, settings};
@@ -31,13 +31,21 @@ fn lead(judgement: &Judgement<'_>) -> String {
     }
     parts.push(match judgement.best.and_then(|k| Some((k, judgement.metrics(k)?))) {
         Some((k, metrics)) => {
-            let label = escape(&judgement.labels[k]);
-            let which = if metrics.valid() {
-                "Lowest F of the valid layouts"
-            } else {
-                "No layout is valid; shown is the one nearest to it"
+            let names = |runs: &[usize]| {
+                let names = runs.iter().map(|&k| format!("<strong>{}</strong>", escape(&judgement.labels[k])));
+                names.collect::<Vec<_>>().join(", ")
             };
-            format!("{which}: <strong>{label}</strong> ({}).", escape(&in_words(metrics)))
+            let kind = if judgement.section.injective_only { "injective" } else { "valid" };
+            let figures = escape(&in_words(metrics));
+            match judgement.lowest() {
+                [] => format!("No layout is {kind}; shown is the one nearest to it: {} ({figures}).", names(&[k])),
+                [one] => format!("Lowest F of the {kind} layouts: {} ({figures}).", names(&[*one])),
+                several => format!(
+                    "Lowest F of the {kind} layouts, the same to {DIGITS} digits: {}. Shown is {} ({figures}).",
+                    names(several),
+                    names(&[k])
+                ),
+            }
         }
         None if judgement.outcomes.iter().any(|o| matches!(o, Outcome::Unseen)) => "No layout is at hand.".to_owned(),
         None => "No run gave a layout.".to_owned(),
@@ -47,7 +55,14 @@ fn lead(judgement: &Judgement<'_>) -> String {
 
 /// Convergence and the histogram, side by side where there is room.
 fn charts(judgement: &Judgement<'_>) -> String {
-    let all = [convergence::outer(judgement), convergence::inner(judgement), histogram::histogram(judgement)].concat();
+    let all = [
+        convergence::outer(judgement),
+        convergence::timed(judgement),
+        convergence::inner(judgement),
+        convergence::energies(judgement),
+        histogram::histogram(judgement),
+    ]
+    .concat();
     if all.is_empty() {
         return all;
     }

@@ -3,11 +3,8 @@
 use std::borrow::Cow;
 
 use super::html::{Html, NOTHING, escape, sort_attribute};
-use super::judge::{Judgement, Outcome, validity};
+use super::judge::{DIGITS, Judgement, Outcome, validity};
 use super::number::{grouped, significant};
-
-/// How many digits F is shown with.
-const DIGITS: usize = 4;
 
 /// What the summary says of one mesh.
 #[derive(Clone, Debug)]
@@ -46,7 +43,7 @@ impl Entry {
             Outcome::Failed(_) => (f64::NAN, "failed".to_owned(), String::new()),
             Outcome::Unseen => (f64::NAN, "no layout".to_owned(), String::new()),
         };
-        Self { label: judgement.labels[run].clone(), f, shown, remark, is_best: judgement.is_best(run) }
+        Self { label: judgement.labels[run].clone(), f, shown, remark, is_best: judgement.is_lowest(run) }
     }
 
     /// The cell, with a link to the row of the run.

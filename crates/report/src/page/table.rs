@@ -40,7 +40,7 @@ fn row(judgement: &Judgement<'_>, run: usize, columns: &[Column<'_>]) -> String 
     html.raw(&format!("<tr id=\"mesh-{MESH_NUMBER}-run-{}\"{}>", run + 1, row_class(judgement, run)));
     html.raw("<th scope=\"row\">");
     html.text(&judgement.labels[run]);
-    if judgement.is_best(run) {
+    if judgement.is_lowest(run) {
         html.raw(" <span class=\"badge\">lowest F</span>");
     }
     html.raw("</th>");
@@ -58,7 +58,7 @@ fn row_class(judgement: &Judgement<'_>, run: usize) -> &'static str {
     match &judgement.outcomes[run] {
         Outcome::Failed(_) => " class=\"failed\"",
         Outcome::Judged(metrics) if !metrics.valid() => " class=\"invalid\"",
-        _ if judgement.is_best(run) => " class=\"best\"",
+        _ if judgement.is_lowest(run) => " class=\"best\"",
         _ => "",
     }
 }

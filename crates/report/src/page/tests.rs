@@ -40,8 +40,8 @@ fn runs(uv: &UvMap) -> Vec<SolverRun<'_>> {
 fn page(triangles: usize) -> String {
     let mesh = Shape::BumpySheet.mesh(triangles);
     let uv = projected(&mesh);
-    let section = MeshSection { name: EVIL, mesh: Some(&mesh), runs: runs(&uv) };
-    let unseen = MeshSection { name: "plain", mesh: None, runs: runs(&uv) };
+    let section = MeshSection { name: EVIL, mesh: Some(&mesh), runs: runs(&uv), ..MeshSection::default() };
+    let unseen = MeshSection { name: "plain", mesh: None, runs: runs(&uv), ..MeshSection::default() };
     let machine = vec![("processor".to_owned(), EVIL.to_owned())];
     render(&Page { title: EVIL, machine, meshes: vec![section, unseen] })
 }
@@ -149,7 +149,7 @@ fn pictures_and_charts_say_their_numbers() {
     let labels = values(&charts, "aria-label");
     // Outer, inner and histogram of the first mesh; the second one has no layout to count.
     assert_eq!(labels.len(), 5);
-    assert!(labels[0].contains("last residual and iteration: linabf 0 after 2"), "{}", labels[0]);
+    assert!(labels[0].contains("last residual and outer iteration: linabf 0 after 2"), "{}", labels[0]);
     assert!(labels[2].contains("half are below"), "{}", labels[2]);
 }
 
@@ -167,7 +167,9 @@ fn tables_have_captions_and_heads_with_a_scope() {
 fn a_layout_of_another_mesh_is_a_failure_and_not_a_panic() {
     let mesh = Shape::BumpySheet.mesh(200);
     let uv = projected(&Shape::BumpySheet.mesh(50));
-    let html = MeshFragment::render(&MeshSection { name: "x", mesh: Some(&mesh), runs: runs(&uv) }).html;
+    let html =
+        MeshFragment::render(&MeshSection { name: "x", mesh: Some(&mesh), runs: runs(&uv), ..MeshSection::default() })
+            .html;
     assert!(html.contains("failed: the layout cannot be judged: the UV map has"));
     assert!(html.contains("No layout is at hand."));
 }
@@ -182,7 +184,7 @@ fn a_page_without_meshes_is_a_page() {
 fn parts_make_the_same_page_as_the_whole_and_so_does_a_second_time() {
     let mesh = Shape::Hemisphere.mesh(300);
     let uv = projected(&mesh);
-    let section = || MeshSection { name: "half", mesh: Some(&mesh), runs: runs(&uv) };
+    let section = || MeshSection { name: "half", mesh: Some(&mesh), runs: runs(&uv), ..MeshSection::default() };
     let whole = render(&Page { title: "t", machine: Vec::new(), meshes: vec![section(), section()] });
     assert_eq!(whole, assemble("t", &[], &[MeshFragment::render(&section()), MeshFragment::render(&section())]));
 }
@@ -193,7 +195,8 @@ fn eight_runs_on_twenty_thousand_triangles_take_little_room() {
     let mesh = Shape::SpikyField.mesh(20_000);
     let uv = projected(&mesh);
     let runs = (0..8).map(|_| SolverRun { solver: "linabf", uv: Some(&uv), ..SolverRun::default() }).collect();
-    let fragment = MeshFragment::render(&MeshSection { name: "spikes", mesh: Some(&mesh), runs });
+    let fragment =
+        MeshFragment::render(&MeshSection { name: "spikes", mesh: Some(&mesh), runs, ..MeshSection::default() });
     assert!(fragment.bytes() < LIMIT, "{} bytes", fragment.bytes());
 }
 
@@ -235,4 +238,34 @@ fn text_stands_out_in_either_scheme() {
             assert!(ratio >= ENOUGH, "{text} on {ground} of scheme {scheme}: {ratio:.2}");
         }
     }
+}
+
+#[test]
+fn energies_of_other_names_are_not_drawn_together_and_residuals_are_drawn_against_time() {
+    let curve = vec![(0.0, 1.0), (0.25, 0.5)];
+    let run = |solver, energy: &str| SolverRun {
+        solver,
+        timed: curve.clone(),
+        energies: vec![(energy.to_owned(), curve.clone())],
+        ..SolverRun::default()
+    };
+    let runs = vec![run("descent", "abf"), run("barrier", "abf"), run("relaxed", "isometric")];
+    let html = MeshFragment::render(&MeshSection { name: "x", runs, ..MeshSection::default() }).html;
+    let lines = |heading: &str| {
+        let figure = html.split("<figure>").find(|figure| figure.contains(&format!("<p>{heading}:"))).expect(heading);
+        figure.matches("class=\"line\"").count() / 2
+    };
+    assert_eq!([lines("Against time"), lines("The energy abf"), lines("The energy isometric")], [3, 2, 1]);
+    assert!(html.contains("descent: 0.50 after 0.250 s"), "{html}");
+}
+
+#[test]
+fn a_tie_for_the_lowest_f_is_named_in_full() {
+    let mesh = Shape::BumpySheet.mesh(200);
+    let uv = projected(&mesh);
+    let run = |solver| SolverRun { solver, uv: Some(&uv), ..SolverRun::default() };
+    let runs = vec![run("abf"), run("abf++")];
+    let html = MeshFragment::render(&MeshSection { name: "x", mesh: Some(&mesh), runs, ..MeshSection::default() }).html;
+    assert!(html.contains("the same to 4 digits: <strong>abf</strong>, <strong>abf++</strong>"), "{html}");
+    assert_eq!(html.matches("lowest F</span>").count(), 2);
 }

@@ -135,7 +135,8 @@ pub(crate) struct FlattenArgs {
     /// Write the results as JSON; with - to stdout, and the table goes to stderr
     #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
     pub(crate) json: Option<PathBuf>,
-    /// Write every outer and inner iteration as JSON, for plotting; with - to stdout
+    /// Write every outer and inner iteration, for plotting: as JSON, or as rows where FILE ends in .csv; with - JSON to
+    /// stdout
     #[arg(long, value_name = "FILE|-", help_heading = "Outputs", hide_short_help = true)]
     pub(crate) history: Option<PathBuf>,
     /// Draw the checkered surface next to its layout
@@ -178,9 +179,35 @@ pub(crate) struct CompareArgs {
     /// Write the results as comma-separated values; with - to stdout at the end
     #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
     pub(crate) csv: Option<PathBuf>,
+    /// Write every outer and inner iteration of the first measured run of each, for plotting: as JSON, or as rows where
+    /// FILE ends in .csv; with - JSON to stdout at the end
+    #[arg(long, value_name = "FILE|-", help_heading = "Outputs")]
+    pub(crate) history: Option<PathBuf>,
     /// Write a page with pictures, curves and tables: one HTML file that needs nothing else
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]
     pub(crate) report: Option<PathBuf>,
+    /// Which results of a mesh the page names the lowest F of: valid ones, or injective ones, which do not overlap
+    /// themselves either
+    #[arg(
+        long,
+        value_name = "valid|injective",
+        help_heading = "Outputs",
+        requires = "report",
+        default_value_t,
+        value_enum,
+        hide_possible_values = true
+    )]
+    pub(crate) lowest: Lowest,
+}
+
+/// Which results the lowest F of a mesh is looked for among.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Lowest {
+    /// Those without a flipped or collapsed triangle and without a vertex wound around twice
+    #[default]
+    Valid,
+    /// Those of them that do not overlap themselves
+    Injective,
 }
 
 /// The arguments of `survey`.

@@ -5,21 +5,24 @@ use super::page::Report;
 use super::settings::Comparison;
 use crate::cli::targets::JsonTarget;
 use crate::record::failure::Failure;
+use crate::record::history::History;
 use crate::record::{Record, to_json};
-use crate::show::{console, files, table};
+use crate::show::{console, files, history, table};
 
 /// Everything that is finished, and where it goes.
 #[derive(Debug)]
 pub(super) struct Outputs<'a> {
     comparison: &'a Comparison,
     records: Vec<Record>,
+    histories: Vec<History>,
     report: Option<Report>,
 }
 
 impl<'a> Outputs<'a> {
     /// Outputs without results.
     pub(super) fn new(comparison: &'a Comparison) -> Self {
-        Self { comparison, records: Vec::new(), report: comparison.report.clone().map(Report::new) }
+        let report = comparison.report.clone().map(|path| Report::new(path, comparison.lowest));
+        Self { comparison, records: Vec::new(), histories: Vec::new(), report }
     }
 
     /// Shows the table of a mesh and writes every file anew with all that is finished.
@@ -31,6 +34,9 @@ impl<'a> Outputs<'a> {
         let gap = if self.records.is_empty() { "" } else { "\n" };
         self.show(&format!("{gap}{}", table::of_repeats(&records)))?;
         self.records.extend(records);
+        if self.comparison.history.is_some() {
+            self.histories.extend(mesh.runs.iter().filter_map(|run| run.history.clone()));
+        }
         if let Some(report) = &mut self.report {
             report.add(&mesh.name, mesh.loaded.as_ref(), &mesh.runs);
         }
@@ -50,6 +56,8 @@ impl<'a> Outputs<'a> {
             console::data(&table::comparison_markdown(records))?;
         } else if is_stdout(&asked.csv) {
             console::data(&table::comparison_csv(records))?;
+        } else if is_stdout(&asked.history) {
+            console::data(&history::text(None, &self.histories))?;
         }
         Ok(self.records)
     }
@@ -57,7 +65,10 @@ impl<'a> Outputs<'a> {
     /// On stdout, unless something for programs goes there.
     fn show(&self, text: &str) -> Result<(), Failure> {
         let asked = self.comparison;
-        if [&asked.json, &asked.markdown, &asked.csv].iter().any(|t| matches!(t, Some(JsonTarget::Stdout))) {
+        if [&asked.json, &asked.markdown, &asked.csv, &asked.history]
+            .iter()
+            .any(|t| matches!(t, Some(JsonTarget::Stdout)))
+        {
             console::words(text);
             return Ok(());
         }
@@ -72,6 +83,9 @@ impl<'a> Outputs<'a> {
         write(&self.comparison.json, to_json)?;
         write(&self.comparison.markdown, table::comparison_markdown)?;
         write(&self.comparison.csv, table::comparison_csv)?;
+        if let Some(JsonTarget::File(path)) = &self.comparison.history {
+            files::replace(path, history::text(Some(path), &self.histories).as_bytes())?;
+        }
         self.report.as_ref().map_or(Ok(()), Report::write)
     }
 }

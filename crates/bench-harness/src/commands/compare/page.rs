@@ -1,5 +1,6 @@
 //! The page of a comparison: one HTML file with pictures, curves and tables.
 
+use crate::cli::args::Lowest;
 use crate::record::failure::Failure;
 use crate::record::history::History;
 use crate::record::{Machine, Program, Record};
@@ -19,19 +20,21 @@ const NO_SOLVER: &str = "none";
 pub(super) struct Report {
     path: PathBuf,
     machine: Vec<(String, String)>,
+    lowest: Lowest,
     meshes: Vec<MeshFragment>,
 }
 
 impl Report {
     /// A page without meshes.
-    pub(super) fn new(path: PathBuf) -> Self {
-        Self { path, machine: machine(), meshes: Vec::new() }
+    pub(super) fn new(path: PathBuf, lowest: Lowest) -> Self {
+        Self { path, machine: machine(), lowest, meshes: Vec::new() }
     }
 
     /// Adds a mesh with its results; a mesh that could not be read has none.
     pub(super) fn add(&mut self, name: &str, loaded: Option<&Loaded>, runs: &[Flattened]) {
         let runs = runs.iter().map(row).collect();
-        let section = MeshSection { name, mesh: loaded.map(Loaded::mesh), runs };
+        let injective_only = self.lowest == Lowest::Injective;
+        let section = MeshSection { name, mesh: loaded.map(Loaded::mesh), runs, injective_only };
         self.meshes.push(MeshFragment::render(&section));
     }
 
@@ -54,6 +57,8 @@ fn row(flattened: &Flattened) -> SolverRun<'_> {
         failure: failure(record),
         outer: history.as_ref().map(History::outer).unwrap_or_default(),
         inner: history.as_ref().map(History::inner).unwrap_or_default(),
+        timed: history.as_ref().map(History::timed).unwrap_or_default(),
+        energies: history.as_ref().map(History::energies).unwrap_or_default(),
     }
 }
 

@@ -13,8 +13,8 @@ pub(super) struct Runs {
     pub(super) warmup: usize,
     /// Runs that are; at least one.
     pub(super) repeats: usize,
-    /// Whether inner iterations are collected, in the first measured run.
-    pub(super) with_curves: bool,
+    /// Whether every iteration is collected, in the first measured run.
+    pub(super) with_history: bool,
 }
 
 /// Flattens a mesh several times. The figures are those of the first measured run, the times the
@@ -27,7 +27,8 @@ pub(super) fn repeated(loaded: &Loaded, method: &Method, runs: Runs, cancel: &Ca
             }
         }
     }
-    let mut first = flatten(loaded, method, &Wanted { with_curves: runs.with_curves, ..Wanted::default() }, cancel);
+    let wanted = Wanted { with_history: runs.with_history, ..Wanted::default() };
+    let mut first = flatten(loaded, method, &wanted, cancel);
     if first.record.error.is_some() || first.record.is_cancelled() {
         return first;
     }

@@ -5,14 +5,14 @@ mod settings;
 mod write;
 
 use crate::cli::targets::JsonTarget;
-use crate::record::history::{self, History};
+use crate::record::history::History;
 use crate::record::{Outcome, Record, to_json};
 use crate::run::cancel::Cancel;
 use crate::run::load::{Loaded, unusable};
 use crate::run::source::Source;
 use crate::run::{self, Flattened};
 use crate::show::show;
-use crate::show::{advice, console, files, table};
+use crate::show::{advice, console, files, history, table};
 pub(crate) use settings::Settings;
 use write::{Made, write_files};
 
@@ -43,11 +43,11 @@ pub(crate) fn flatten(settings: &Settings) -> Outcome {
             console::words(&table);
             let json = settings.json.as_ref().and_then(JsonTarget::file);
             let shown = json.map_or(Ok(()), |path| files::replace(path, to_json(&records).as_bytes()));
-            (shown, console::data(&history::to_json(&runs)))
+            (shown, console::data(&history::text(None, &runs)))
         }
         Some(JsonTarget::File(path)) => {
             let shown = show(&table, || to_json(&records), settings.json.as_ref());
-            (shown, files::replace(path, history::to_json(&runs).as_bytes()))
+            (shown, files::replace(path, history::text(Some(path), &runs).as_bytes()))
         }
         None => (show(&table, || to_json(&records), settings.json.as_ref()), Ok(())),
     };

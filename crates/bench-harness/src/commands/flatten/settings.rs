@@ -111,7 +111,11 @@ impl Settings {
 
     /// What a run is to come to.
     pub(crate) fn wanted(&self) -> Wanted<'_> {
-        Wanted { charting: self.charting.if_allowed(), sheet: self.sheet.as_ref(), with_curves: self.history.is_some() }
+        Wanted {
+            charting: self.charting.if_allowed(),
+            sheet: self.sheet.as_ref(),
+            with_history: self.history.is_some(),
+        }
     }
 
     /// How much memory each may take.

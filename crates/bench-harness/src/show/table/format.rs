@@ -56,7 +56,7 @@ pub(crate) fn markdown(columns: Columns, records: &[&Record]) -> String {
 }
 
 /// For spreadsheets and programs, as in RFC 4180 but for the line ends.
-pub(crate) fn csv(columns: Columns, records: &[&Record]) -> String {
+pub(crate) fn csv<R>(columns: Columns<R>, records: &[&R]) -> String {
     let table = Table::new(columns, records);
     let heads = table.columns.iter().map(|column| column.name.to_owned()).collect::<Vec<_>>();
     let rows = table.rows.iter().map(|row| row.iter().map(|cell| quoted(cell.for_programs())).collect());

@@ -11,7 +11,7 @@ use crate::show::advice::remark;
 pub(crate) use cell::Cell;
 use columns::{COMPARISON, MESHES, PAGE, REPEATS, SOLVERS};
 pub(crate) use columns::{Column, Columns, DIGITS};
-pub(crate) use format::aligned;
+pub(crate) use format::{aligned, csv};
 use std::cmp::Ordering;
 
 /// The table of the results of one solver, or of none: one in full, several with a row each.
@@ -40,7 +40,7 @@ pub(crate) fn comparison_markdown(records: &[Record]) -> String {
 
 /// Every result of a comparison, in the order of the meshes, as comma-separated values.
 pub(crate) fn comparison_csv(records: &[Record]) -> String {
-    format::csv(COMPARISON, &refs(records))
+    csv(COMPARISON, &refs(records))
 }
 
 /// The cells of a result for a page, which has the mesh and the solver already.
