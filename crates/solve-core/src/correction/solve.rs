@@ -1,6 +1,6 @@
 //! Conjugate gradients on the wheel multipliers, until the true residual meets the target.
 
-use super::{LeastCorrection, Linearisation, REFACTOR_AFTER, largest};
+use super::{COST_OF_FACTOR, LeastCorrection, Linearisation, REFACTOR_AFTER, largest};
 use crate::wheels::right_hand_side;
 use crate::{StepError, StepReport};
 use abf_constraints::ConstraintRows;
@@ -15,6 +15,9 @@ const PROGRESS: f64 = 0.5;
 
 /// The iteration aims this far below the target: rounding adds the rest.
 const CAUTION: f64 = 0.8;
+
+/// After so many iterations their speed is known.
+const SPEED_AFTER: usize = 6;
 
 /// What the vertex rows are off by is left alone below this part of the target.
 const NEGLIGIBLE: f64 = 0.1;
@@ -31,11 +34,13 @@ pub(super) struct Solve<'a> {
     /// The true residual of `S`.
     left: [Vec<f64>; 2],
     pub(super) iterations: usize,
+    /// Whether the factor of `D` is that of an earlier solve.
+    is_frozen: bool,
 }
 
 impl<'a> Solve<'a> {
     /// Nothing solved yet: what is left is the right-hand side.
-    pub(super) fn start(system: &'a LeastCorrection, here: &Linearisation<'a>) -> Self {
+    pub(super) fn start(system: &'a LeastCorrection, here: &Linearisation<'a>, is_frozen: bool) -> Self {
         let ni = here.rows.interior_count();
         let mut goal = [vec![0.0; ni], vec![0.0; ni]];
         right_hand_side(here.rows, &system.given(here), goal.each_mut().map(|v| &mut v[..]));
@@ -48,6 +53,7 @@ impl<'a> Solve<'a> {
             goal,
             left,
             iterations: 0,
+            is_frozen,
         }
     }
 
@@ -93,7 +99,7 @@ impl<'a> Solve<'a> {
             vector::axpy(-1.0, &t, &mut r);
         }
 
-        let begin = largest(&r);
+        let (begin, done) = (largest(&r), self.iterations);
         d_inverse.apply_in_order(&system.order, &r, &mut z);
         let mut p = z.clone();
         p.push(0.0);
@@ -128,9 +134,23 @@ impl<'a> Solve<'a> {
                 return Err(StepError::Interrupted);
             }
             converged = now <= target;
+            if !converged && self.is_outdated(self.iterations - done, [begin, now, target]) {
+                break;
+            }
         }
         self.left[1] = r;
         Ok(converged)
+    }
+
+    /// Whether the rest of the way takes longer than a new factor and the whole way with it. The residual came from
+    /// `begin` to `now`, and goes to `target`.
+    fn is_outdated(&self, iterations: usize, [begin, now, target]: [f64; 3]) -> bool {
+        if !self.is_frozen || iterations < SPEED_AFTER {
+            return false;
+        }
+        let gain = (begin / now).ln() / iterations as f64;
+        let left = if gain > 0.0 { (now / target).ln() / gain } else { f64::INFINITY };
+        left > COST_OF_FACTOR + (begin / target).ln() / self.system.gain_when_fresh
     }
 
     /// The true residual, with the matrix.
