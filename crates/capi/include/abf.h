@@ -89,6 +89,8 @@ typedef enum AbfStage {
   ABF_STAGE_LAYOUT = 2,
   // From coordinates to what is proved of them.
   ABF_STAGE_CERTIFICATE = 3,
+  // After the layout: to the least of an energy, or to pins.
+  ABF_STAGE_RELAX = 4,
 } AbfStage;
 
 // How the solver ended. Of an atlas: the first end that was not as asked, if there is one.
@@ -269,25 +271,37 @@ typedef struct AbfOptions {
   const uint32_t *objects;
   // `abf_unwrap`: a number for every triangle; no seam runs between two of one polygon; null: no polygons.
   const uint32_t *polygons;
+  // Relax the map, or each chart, until an energy is least: "abf" (angles), "isometric" (lengths), "usable" (angles, and areas
+  // within bounds), or the weight of areas beside angles as a number; "usable" is 0.01. Null: no; `abf_relax`: "isometric".
+  const char *energy;
+  // `abf_flatten`, `abf_relax`: bring these vertices to given places, `pin_count` of them; null: none. One or two are met by
+  // moving, turning and scaling the map, more by moving the others with `energy`, or "isometric".
+  const uint32_t *pin_vertices;
+  // As many places, u and v.
+  const double *pin_uvs;
+  // As many weights: a place with a weight above 0 need not be met; 0: it must. Null: all must.
+  const double *pin_weights;
+  // How many there are.
+  size_t pin_count;
 } AbfOptions;
 
 // What a result holds. Pointers are valid as long as the result.
 typedef struct AbfView {
   // `sizeof(AbfView)`, set by the caller. Later versions append fields, and fill as much as the caller has.
   size_t size;
-  // Vertices of the result. `abf_flatten`: those of the input.
+  // Vertices of the result. `abf_flatten`, and `abf_relax` without `uv_indices`: those of the input.
   size_t vertex_count;
-  // `abf_flatten`: two numbers per vertex, u and v; else null.
+  // `abf_flatten`, `abf_relax`: two numbers per vertex, u and v; else null.
   const double *uv64;
   // `abf_unwrap`: two numbers per vertex, u and v, in the unit square of its page; else null.
   const float *uv32;
-  // `abf_unwrap`: for each vertex the vertex of the input it is a copy of; else null.
+  // `abf_unwrap`, and `abf_relax` with `uv_indices`: for each vertex the vertex of the input it is a copy of; else null.
   const uint32_t *remap;
   // Triangles, in the order of the input.
   size_t triangle_count;
-  // `abf_unwrap`: three vertices of the result per triangle; else null: they are those of the input.
+  // The same: three vertices of the result per triangle; else null: they are those of the input.
   const uint32_t *indices;
-  // `abf_unwrap`: the chart of each triangle, `UINT32_MAX` where it is in none; else null.
+  // `abf_unwrap`, `abf_relax`: the chart of each triangle, `UINT32_MAX` where it is in none; else null.
   const uint32_t *triangle_charts;
   // Charts.
   size_t chart_count;
@@ -338,7 +352,7 @@ typedef struct AbfView {
   double surface_area;
   // Area of the map, in UV units squared.
   double uv_area;
-  // Whose result it is; "several" where charts differ.
+  // Whose result it is; "several" where charts differ; `abf_relax`: empty.
   const char *solver;
   // `abf_unwrap`: what was repaired, sentences separated by ", "; empty where nothing was.
   const char *repairs;
@@ -346,6 +360,18 @@ typedef struct AbfView {
   size_t parted_for_coverage;
   // `abf_unwrap`: how many cuts were made for `inner_margin`.
   size_t parted_for_margin;
+  // How many steps `energy` took, all charts together; 0: none was asked for, or there was no map or no time.
+  size_t relax_steps;
+  // The energy before, for a surface of area 1; of several charts the mean by area. 0 without steps.
+  double energy_before;
+  // The same at the end.
+  double energy_after;
+  // Pins.
+  size_t pin_count;
+  // How far each pinned vertex is from its place, in units of the UVs, in the order of the options; else null.
+  const double *pin_distances;
+  // How many pins must be met and are not.
+  size_t pins_missed;
 } AbfView;
 
 #ifdef __cplusplus
@@ -375,6 +401,22 @@ enum AbfStatus abf_unwrap(const float *positions,
                           size_t index_count,
                           const struct AbfOptions *options,
                           struct AbfResult **result);
+
+// Relaxes a map that anybody made until an energy is least, each chart by itself, through valid maps only.
+//
+// `positions` and `indices` are those of `abf_flatten`. `uv` has two numbers per vertex, and `uv_count` is `vertex_count`; or it
+// has `uv_count` UVs, and `uv_indices` for every index that of its UV. Of the options `energy`, pins, `time_limit`, `max_memory`,
+// `normalize`, `zero_area`, `threads` and `progress` count. A chart that is not valid starts from Tutte's embedding, if it is a
+// disk; else it stays. The area of the whole map stays, and every chart keeps its centre: charts may come to lie over each other.
+enum AbfStatus abf_relax(const double *positions,
+                         size_t vertex_count,
+                         const uint32_t *indices,
+                         size_t index_count,
+                         const double *uv,
+                         size_t uv_count,
+                         const uint32_t *uv_indices,
+                         const struct AbfOptions *options,
+                         struct AbfResult **result);
 
 // Shows what a result holds. `view->size` must be `sizeof(AbfView)`.
 enum AbfStatus abf_result_view(const struct AbfResult *result, struct AbfView *view);

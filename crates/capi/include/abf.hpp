@@ -81,6 +81,20 @@ inline Result flatten(const std::vector<double> &positions, const std::vector<st
     });
 }
 
+// Relaxes UVs, two numbers per vertex; or per UV, with the UV of every index.
+inline Result relax(const std::vector<double> &positions, const std::vector<std::uint32_t> &indices,
+                    const std::vector<double> &uv, const std::vector<std::uint32_t> &uv_indices = {},
+                    const Options &options = {}) {
+    if (!uv_indices.empty() && uv_indices.size() != indices.size()) {
+        throw std::invalid_argument("uv_indices must have an entry for every index");
+    }
+    const std::uint32_t *corners = uv_indices.empty() ? nullptr : uv_indices.data();
+    return detail::run(options, [&](const AbfOptions *plain, AbfResult **result) {
+        return abf_relax(positions.data(), positions.size() / 3, indices.data(), indices.size(), uv.data(), uv.size() / 2,
+                         corners, plain, result);
+    });
+}
+
 // Unwraps any mesh into an atlas.
 inline Result unwrap(const std::vector<float> &positions, const std::vector<std::uint32_t> &indices,
                      const Options &options = {}) {

@@ -39,6 +39,8 @@ pub enum AbfStage {
     Layout = 2,
     /// From coordinates to what is proved of them.
     Certificate = 3,
+    /// After the layout: to the least of an energy, or to pins.
+    Relax = 4,
 }
 
 /// What a callback is told. Later versions append fields.
@@ -140,6 +142,7 @@ fn of_stage(stage: Stage) -> Option<AbfStage> {
         Stage::Solve => Some(AbfStage::Solve),
         Stage::Layout => Some(AbfStage::Layout),
         Stage::Certificate => Some(AbfStage::Certificate),
+        Stage::Relax => Some(AbfStage::Relax),
         _ => None,
     }
 }

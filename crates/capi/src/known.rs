@@ -94,7 +94,7 @@ fn map(uv: &[[f32; 2]], corners: Option<&[u32]>, vertices: usize, indices: &[u32
     Ok(UvMap::new(points, corners))
 }
 
-fn check_range(indices: &[u32], count: usize, name: &str, what: &str) -> Result<(), Failure> {
+pub(crate) fn check_range(indices: &[u32], count: usize, name: &str, what: &str) -> Result<(), Failure> {
     match indices.iter().position(|&i| i as usize >= count) {
         None => Ok(()),
         Some(at) => {

@@ -2,7 +2,10 @@
 
 use crate::event::AbfProgress;
 use crate::status::{AbfStatus, Failure};
-use abf::{ArrayUnwrapper, Atlas, Boundary, BoundaryAngle, InnerTolerance, Parting, Passes, SeamRule, SolverSettings};
+use abf::{
+    ArrayUnwrapper, Atlas, Boundary, BoundaryAngle, InnerTolerance, Parting, Passes, Pin, PinWeight, Pins, Relax,
+    SeamRule, SolverSettings,
+};
 use std::ffi::{c_char, c_void};
 use std::mem::offset_of;
 use std::str::FromStr;
@@ -142,6 +145,18 @@ pub struct AbfOptions {
     pub objects: *const u32,
     /// `abf_unwrap`: a number for every triangle; no seam runs between two of one polygon; null: no polygons.
     pub polygons: *const u32,
+    /// Relax the map, or each chart, until an energy is least: "abf" (angles), "isometric" (lengths), "usable" (angles, and areas
+    /// within bounds), or the weight of areas beside angles as a number; "usable" is 0.01. Null: no; `abf_relax`: "isometric".
+    pub energy: *const c_char,
+    /// `abf_flatten`, `abf_relax`: bring these vertices to given places, `pin_count` of them; null: none. One or two are met by
+    /// moving, turning and scaling the map, more by moving the others with `energy`, or "isometric".
+    pub pin_vertices: *const u32,
+    /// As many places, u and v.
+    pub pin_uvs: *const f64,
+    /// As many weights: a place with a weight above 0 need not be met; 0: it must. Null: all must.
+    pub pin_weights: *const f64,
+    /// How many there are.
+    pub pin_count: usize,
 }
 
 impl AbfOptions {
@@ -169,6 +184,7 @@ pub(crate) struct Names {
     pub(crate) atlas: Option<String>,
     pub(crate) overlap: Option<String>,
     pub(crate) seams: Option<String>,
+    pub(crate) energy: Option<String>,
 }
 
 /// What a call is told.
@@ -210,6 +226,19 @@ impl Settings {
     }
 }
 
+impl Settings {
+    /// Vertices in given places, with their weights or without any.
+    pub(crate) fn pin(&mut self, vertices: &[u32], places: &[[f64; 2]], weights: Option<&[f64]>) {
+        let weight = |at: usize| match weights.map_or(0.0, |weights| weights[at]) {
+            0.0 => PinWeight::Hard,
+            weight => PinWeight::Soft(weight),
+        };
+        let pin = |(at, (&vertex, &uv)): (usize, (&u32, &[f64; 2]))| Pin { vertex, uv, weight: weight(at) };
+        let pins: Vec<Pin> = vertices.iter().zip(places).enumerate().map(pin).collect();
+        self.unwrapper.unwrap.pipeline.pins = (!pins.is_empty()).then_some(Pins { pins });
+    }
+}
+
 fn flattening(unwrapper: &mut ArrayUnwrapper, options: &AbfOptions, names: &Names) -> Result<(), Failure> {
     let pipeline = &mut unwrapper.unwrap.pipeline;
     named(&mut pipeline.solver, names.solver.as_deref())?;
@@ -235,6 +264,7 @@ fn flattening(unwrapper: &mut ArrayUnwrapper, options: &AbfOptions, names: &Name
     }
     pipeline.max_memory = Some(options.max_memory).filter(|&bytes| bytes != 0);
     pipeline.normalize = options.normalize != 0;
+    pipeline.relax = parsed(names.energy.as_deref())?.map(|energy| Relax { energy, ..Relax::default() });
     Ok(())
 }
 

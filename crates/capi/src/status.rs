@@ -163,11 +163,16 @@ fn of_flatten(error: &FlattenError) -> AbfStatus {
         | FlattenError::Descent(EmbedError::Setting(_))
         | FlattenError::BoundarySolver(_)
         | FlattenError::BoundaryCharts(_)
+        | FlattenError::Relax(EmbedError::Setting(_))
+        | FlattenError::RelaxBoundary(_)
+        | FlattenError::Pins(_)
+        | FlattenError::PinsElsewhere(_)
         | FlattenError::DescentLayout(_)
         | FlattenError::LscmLayout(_) => AbfStatus::Setting,
         FlattenError::Memory { .. } => AbfStatus::Memory,
         FlattenError::Cancelled(_) => AbfStatus::Cancelled,
         FlattenError::Certificate(metrics) => of_metrics(metrics),
+        FlattenError::RelaxChart { source, .. } => of_flatten(source),
         _ => AbfStatus::NoResult,
     }
 }
@@ -185,7 +190,7 @@ fn of_metrics(error: &MetricsError) -> AbfStatus {
         MetricsError::Cancelled(_) => AbfStatus::Cancelled,
         MetricsError::NoFaces => AbfStatus::Topology,
         MetricsError::NoArea { .. } => AbfStatus::Geometry,
-        MetricsError::PositionNotFinite { .. } => AbfStatus::NotFinite,
+        MetricsError::PositionNotFinite { .. } | MetricsError::UvNotFinite { .. } => AbfStatus::NotFinite,
         _ => AbfStatus::NoResult,
     }
 }

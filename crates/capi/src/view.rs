@@ -1,6 +1,7 @@
 //! A result, and what its owner sees of it.
 
-use abf::{Flattening, Metrics, Termination, UnwrappedArrays};
+use abf::mesh::{TriMesh, VertexId};
+use abf::{Flattening, Metrics, PinReport, RelaxReport, RelaxedMap, Termination, UnwrappedArrays, UnwrappedChart};
 use std::ffi::{CString, c_char};
 use std::mem::offset_of;
 use std::ptr;
@@ -29,19 +30,19 @@ pub enum AbfTermination {
 pub struct AbfView {
     /// `sizeof(AbfView)`, set by the caller. Later versions append fields, and fill as much as the caller has.
     pub size: usize,
-    /// Vertices of the result. `abf_flatten`: those of the input.
+    /// Vertices of the result. `abf_flatten`, and `abf_relax` without `uv_indices`: those of the input.
     pub vertex_count: usize,
-    /// `abf_flatten`: two numbers per vertex, u and v; else null.
+    /// `abf_flatten`, `abf_relax`: two numbers per vertex, u and v; else null.
     pub uv64: *const f64,
     /// `abf_unwrap`: two numbers per vertex, u and v, in the unit square of its page; else null.
     pub uv32: *const f32,
-    /// `abf_unwrap`: for each vertex the vertex of the input it is a copy of; else null.
+    /// `abf_unwrap`, and `abf_relax` with `uv_indices`: for each vertex the vertex of the input it is a copy of; else null.
     pub remap: *const u32,
     /// Triangles, in the order of the input.
     pub triangle_count: usize,
-    /// `abf_unwrap`: three vertices of the result per triangle; else null: they are those of the input.
+    /// The same: three vertices of the result per triangle; else null: they are those of the input.
     pub indices: *const u32,
-    /// `abf_unwrap`: the chart of each triangle, `UINT32_MAX` where it is in none; else null.
+    /// `abf_unwrap`, `abf_relax`: the chart of each triangle, `UINT32_MAX` where it is in none; else null.
     pub triangle_charts: *const u32,
     /// Charts.
     pub chart_count: usize,
@@ -92,7 +93,7 @@ pub struct AbfView {
     pub surface_area: f64,
     /// Area of the map, in UV units squared.
     pub uv_area: f64,
-    /// Whose result it is; "several" where charts differ.
+    /// Whose result it is; "several" where charts differ; `abf_relax`: empty.
     pub solver: *const c_char,
     /// `abf_unwrap`: what was repaired, sentences separated by ", "; empty where nothing was.
     pub repairs: *const c_char,
@@ -100,6 +101,18 @@ pub struct AbfView {
     pub parted_for_coverage: usize,
     /// `abf_unwrap`: how many cuts were made for `inner_margin`.
     pub parted_for_margin: usize,
+    /// How many steps `energy` took, all charts together; 0: none was asked for, or there was no map or no time.
+    pub relax_steps: usize,
+    /// The energy before, for a surface of area 1; of several charts the mean by area. 0 without steps.
+    pub energy_before: f64,
+    /// The same at the end.
+    pub energy_after: f64,
+    /// Pins.
+    pub pin_count: usize,
+    /// How far each pinned vertex is from its place, in units of the UVs, in the order of the options; else null.
+    pub pin_distances: *const f64,
+    /// How many pins must be met and are not.
+    pub pins_missed: usize,
 }
 
 impl AbfView {
@@ -128,11 +141,47 @@ pub struct AbfResult {
     solver: CString,
     repairs: CString,
     parted: [usize; 2],
+    energy: Energies,
+    pins: Vec<f64>,
+    missed: usize,
+}
+
+/// What relaxing came to, all charts together.
+#[derive(Clone, Copy, Debug, Default)]
+struct Energies {
+    steps: usize,
+    before: f64,
+    after: f64,
+}
+
+impl Energies {
+    /// Of charts with their areas.
+    fn of<'r>(charts: impl Iterator<Item = (&'r RelaxReport, f64)>) -> Self {
+        let (mut all, mut area) = (Self::default(), 0.0);
+        for (report, own) in charts {
+            all.steps += report.steps;
+            all.before += own * report.before;
+            all.after += own * report.after;
+            area += own;
+        }
+        if area > 0.0 { Self { before: all.before / area, after: all.after / area, ..all } } else { Self::default() }
+    }
+}
+
+/// How far pins are from their places, and how many of those that must be met are not.
+fn pins(report: Option<&PinReport>) -> (Vec<f64>, usize) {
+    let residuals = report.map_or(&[][..], |report| &report.residuals);
+    let missed = residuals.iter().filter(|pin| pin.is_hard && pin.distance > 0.0).count();
+    (residuals.iter().map(|pin| pin.distance).collect(), missed)
 }
 
 impl AbfResult {
     pub(crate) fn of_disk(flat: &Flattening, metrics: Metrics) -> Self {
+        let (pins, missed) = pins(flat.pinned.as_ref());
         Self {
+            energy: Energies::of(flat.relaxed.iter().map(|report| (report, 1.0))),
+            pins,
+            missed,
             uv64: flat.uv.points().iter().map(|p| [p.x, p.y]).collect(),
             uv32: Vec::new(),
             remap: Vec::new(),
@@ -154,6 +203,49 @@ impl AbfResult {
         }
     }
 
+    /// A map that was there, relaxed: with indices where UVs were those of corners.
+    pub(crate) fn of_map(mesh: &TriMesh, map: &RelaxedMap, metrics: Metrics, is_per_corner: bool) -> Self {
+        let (pins, missed) = pins(map.pinned.as_ref());
+        let faces = || mesh.faces().as_flattened().iter().zip(map.uv.corners());
+        let rows = if is_per_corner { map.uv.points().len() } else { mesh.vertex_count() };
+        let (mut uv64, mut remap) = (vec![[0.0; 2]; rows], vec![0; rows]);
+        for (vertex, id) in faces() {
+            let point = map.uv.points()[id.index()];
+            let row = if is_per_corner { id.index() } else { vertex.index() };
+            (uv64[row], remap[row]) = ([point.x, point.y], vertex.index() as u32);
+        }
+        let mut areas = vec![0.0; map.charts.len()];
+        let area = |face: &[VertexId; 3]| {
+            let [a, b, c] = face.map(|v| mesh.positions()[v.index()]);
+            (b - a).cross(&(c - a)).norm()
+        };
+        map.chart_of_face.iter().zip(mesh.faces()).for_each(|(&chart, face)| areas[chart] += area(face));
+        let relaxed = map.charts.iter().zip(areas).filter_map(|(report, area)| Some((report.as_ref()?, area)));
+        Self {
+            uv64,
+            uv32: Vec::new(),
+            remap: if is_per_corner { remap } else { Vec::new() },
+            indices: if is_per_corner { faces().map(|(_, id)| id.index() as u32).collect() } else { Vec::new() },
+            triangle_charts: map.chart_of_face.iter().map(|&chart| chart as u32).collect(),
+            chart_pages: Vec::new(),
+            charts: map.charts.len(),
+            unfinished: 0,
+            page: [0; 2],
+            pages: 0,
+            texels_per_unit: 0.0,
+            coverage: 0.0,
+            certified: map.is_certified(),
+            termination: of_termination(map.termination),
+            metrics,
+            solver: CString::default(),
+            repairs: CString::default(),
+            parted: [0; 2],
+            energy: Energies::of(relaxed),
+            pins,
+            missed,
+        }
+    }
+
     pub(crate) fn of_atlas(arrays: UnwrappedArrays, page: [u32; 2], may_overlap: bool) -> Self {
         let certified = arrays.is_certified(may_overlap);
         let parted = [arrays.parted_for_coverage, arrays.parted_for_margin];
@@ -164,6 +256,8 @@ impl AbfResult {
             chart.faces.iter().for_each(|face| triangle_charts[face.index()] = number as u32);
         }
         let solver = charts.first().map_or("", |chart| chart.solver.name());
+        let area = |chart: &UnwrappedChart| chart.metrics.surface_area;
+        let energy = Energies::of(charts.iter().filter_map(|chart| Some((chart.relaxed.as_ref()?, area(chart)))));
         let is_one = charts.iter().all(|chart| chart.solver.name() == solver);
         let ends = || charts.iter().map(|chart| chart.termination);
         let termination = ends().find(|end| !end.is_as_asked()).or_else(|| ends().next());
@@ -186,6 +280,9 @@ impl AbfResult {
             solver: text(if is_one { solver } else { "several" }),
             repairs: text(&unwrapped.repairs.sentences().join(", ")),
             parted,
+            energy,
+            pins: Vec::new(),
+            missed: 0,
         }
     }
 
@@ -228,6 +325,12 @@ impl AbfResult {
             repairs: self.repairs.as_ptr(),
             parted_for_coverage: self.parted[0],
             parted_for_margin: self.parted[1],
+            relax_steps: self.energy.steps,
+            energy_before: self.energy.before,
+            energy_after: self.energy.after,
+            pin_count: self.pins.len(),
+            pin_distances: start(&self.pins),
+            pins_missed: self.missed,
         }
     }
 }

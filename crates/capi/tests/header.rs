@@ -45,9 +45,17 @@ fn structs_begin_with_their_size_and_have_the_fields_of_the_library() {
 
 #[test]
 fn the_header_declares_every_entry_point_and_the_version_is_that_of_the_package() {
-    for name in
-        ["flatten", "unwrap", "result_view", "result_free", "last_error", "status_name", "predict_memory", "version"]
-    {
+    for name in [
+        "flatten",
+        "unwrap",
+        "relax",
+        "result_view",
+        "result_free",
+        "last_error",
+        "status_name",
+        "predict_memory",
+        "version",
+    ] {
         assert!(HEADER.contains(&format!(" abf_{name}(")) || HEADER.contains(&format!("*abf_{name}(")), "{name}");
     }
     assert_eq!(abf_version() % 100, env!("CARGO_PKG_VERSION_PATCH").parse::<u32>().expect("a number"));

@@ -143,6 +143,28 @@ static void known(void) {
     o.boundary_count = 4;
     EXPECT(abf_flatten(doubles, VERTICES, indices, INDICES, &o, &r) == ABF_STATUS_OK);
     abf_result_free(r);
+    /* Two pins, and the map relaxed again from where it is. */
+    const uint32_t ends[2] = {0, VERTICES - 1};
+    const double places[4] = {0, 0, 1, 1}, weights[2] = {0, 2};
+    for (int soft = 0; soft < 2; ++soft) {
+        AbfView view;
+        view.size = sizeof view;
+        o = options();
+        o.energy = "usable";
+        o.pin_vertices = ends;
+        o.pin_uvs = places;
+        o.pin_weights = soft ? weights : NULL;
+        o.pin_count = 2;
+        EXPECT(abf_flatten(doubles, VERTICES, indices, INDICES, &o, &r) == ABF_STATUS_OK);
+        EXPECT(abf_result_view(r, &view) == ABF_STATUS_OK && view.pins_missed == 0 && view.pin_count == 2);
+        EXPECT((view.pin_distances[1] > 0) == soft);
+        AbfResult *again = NULL;
+        AbfOptions plain = options();
+        EXPECT(abf_relax(doubles, VERTICES, indices, INDICES, view.uv64, VERTICES, soft ? indices : NULL, &plain, &again) == ABF_STATUS_OK);
+        EXPECT(abf_result_view(again, &view) == ABF_STATUS_OK && view.certified && view.relax_steps > 0);
+        abf_result_free(again);
+        abf_result_free(r);
+    }
 }
 
 struct job {

@@ -46,6 +46,7 @@ pub unsafe extern "C" fn abf_flatten(
             let vertices = array(options.boundary_vertices, count, "boundary_vertices")?;
             let angles = array(options.boundary_angles, vertices.len(), "boundary_angles")?;
             settings.ask_of_boundary(vertices, angles)?;
+            pin(&mut settings, &options)?;
             run::flatten(positions.as_chunks().0, indices, &settings, &mut |event| host.tell(event))
         })
     }
@@ -69,7 +70,8 @@ pub unsafe extern "C" fn abf_unwrap(
     // SAFETY: the caller's arrays are as long as said, and `result` may be written to.
     unsafe {
         give(result, || {
-            let Call { settings, mut host, options } = read_options(options)?;
+            let Call { mut settings, mut host, options } = read_options(options)?;
+            pin(&mut settings, &options)?;
             let stride = if stride == 0 { size_of::<[f32; 3]>() } else { stride };
             if stride < size_of::<[f32; 3]>() || !stride.is_multiple_of(size_of::<f32>()) {
                 let text = format!("stride must be a multiple of 4 and at least 12 bytes, got {stride}");
@@ -80,6 +82,38 @@ pub unsafe extern "C" fn abf_unwrap(
             let positions: Vec<[f32; 3]> = vertices.map(|v| [v[0], v[1], v[2]]).collect();
             let known = known(&options, index_count)?;
             run::unwrap(&positions, indices, &known, &settings, &mut |event| host.tell(event))
+        })
+    }
+}
+
+/// Relaxes a map that anybody made until an energy is least, each chart by itself, through valid maps only.
+///
+/// `positions` and `indices` are those of `abf_flatten`. `uv` has two numbers per vertex, and `uv_count` is `vertex_count`; or it
+/// has `uv_count` UVs, and `uv_indices` for every index that of its UV. Of the options `energy`, pins, `time_limit`, `max_memory`,
+/// `normalize`, `zero_area`, `threads` and `progress` count. A chart that is not valid starts from Tutte's embedding, if it is a
+/// disk; else it stays. The area of the whole map stays, and every chart keeps its centre: charts may come to lie over each other.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn abf_relax(
+    positions: *const f64,
+    vertex_count: usize,
+    indices: *const u32,
+    index_count: usize,
+    uv: *const f64,
+    uv_count: usize,
+    uv_indices: *const u32,
+    options: *const AbfOptions,
+    result: *mut *mut AbfResult,
+) -> AbfStatus {
+    // SAFETY: the caller's arrays are as long as said, and `result` may be written to.
+    unsafe {
+        give(result, || {
+            let Call { mut settings, mut host, options } = read_options(options)?;
+            pin(&mut settings, &options)?;
+            let (positions, indices) = mesh((positions, vertex_count, size_of::<[f64; 3]>()), (indices, index_count))?;
+            check_count(uv_count, size_of::<[f64; 2]>(), "uv_count")?;
+            let uv = array(uv, 2 * uv_count, "uv")?.as_chunks().0;
+            let given = run::GivenMap { uv, corners: array_if(uv_indices, index_count, "uv_indices")? };
+            run::relax(positions.as_chunks().0, indices, given, &settings, &mut |event| host.tell(event))
         })
     }
 }
@@ -212,6 +246,7 @@ unsafe fn read_options(options: *const AbfOptions) -> Result<Call, Failure> {
             atlas: name(options.atlas),
             overlap: name(options.overlap),
             seams: name(options.seams),
+            energy: name(options.energy),
         };
         let host = Host { call: options.progress, user: options.user };
         Ok(Call { settings: Settings::read(&options, &names)?, host, options })
@@ -229,6 +264,19 @@ unsafe fn mesh<'a, T>(
     let count = vertex_count.checked_sub(1).map_or(0, |between| between * (stride / size_of::<T>()) + 3);
     // SAFETY: they are as long as the caller says, and their sizes were checked.
     unsafe { Ok((array(positions, count, "positions")?, array(indices, index_count, "indices")?)) }
+}
+
+/// Reads the caller's pins.
+unsafe fn pin(settings: &mut Settings, options: &AbfOptions) -> Result<(), Failure> {
+    let count = options.pin_count;
+    check_count(count, size_of::<[f64; 2]>(), "pin_count")?;
+    // SAFETY: they are as long as the caller says, and their size was checked.
+    unsafe {
+        let vertices = array(options.pin_vertices, count, "pin_vertices")?;
+        let places = array(options.pin_uvs, 2 * count, "pin_uvs")?.as_chunks().0;
+        settings.pin(vertices, places, array_if(options.pin_weights, count, "pin_weights")?);
+    }
+    Ok(())
 }
 
 /// What the caller knows of a mesh with so many indices.

@@ -142,6 +142,10 @@ fn every_wrong_argument_has_a_status_and_a_sentence() {
         (wrong(AbfOptions { max_seam: -1.0, ..options() }), AbfStatus::Setting, "max_seam"),
         (wrong(AbfOptions { wheel: c"log".as_ptr(), ..options() }), AbfStatus::Setting, "means nothing to the solver"),
         (wrong(AbfOptions { boundary: c"convex".as_ptr(), ..options() }), AbfStatus::Setting, "for one disk"),
+        (wrong(AbfOptions { energy: c"little".as_ptr(), ..options() }), AbfStatus::Setting, "energy must be abf"),
+        (wrong(AbfOptions { energy: c"-1".as_ptr(), ..options() }), AbfStatus::Setting, "energy must be abf"),
+        (wrong(AbfOptions { pin_count: 1, ..options() }), AbfStatus::Pointer, "pin_vertices is null"),
+        (wrong(AbfOptions { pin_count: usize::MAX, ..options() }), AbfStatus::TooLarge, "pin_count is"),
         (wrong(AbfOptions { uv_indices: FACES.as_ptr(), ..options() }), AbfStatus::Setting, "uv, which is not given"),
         (unwrap_of(&CUBE, &FACES[..35], &options()).unwrap_err(), AbfStatus::IndexCount, "35 indices"),
         (unwrap_of(&CUBE, &[0, 1, 8], &options()).unwrap_err(), AbfStatus::IndexRange, "has the index 8"),
@@ -211,6 +215,154 @@ fn a_boundary_is_what_was_asked_for() {
     };
     let angle = abf::BoundaryAngle { vertex: 0, angle: 1.0, line: None };
     assert_eq!(flat(given), expected(abf::Boundary::Angles(vec![angle])));
+}
+
+/// Pins of the first vertices at these places.
+fn pinned<'a>(vertices: &'a [u32], places: &'a [[f64; 2]]) -> AbfOptions {
+    AbfOptions {
+        pin_vertices: vertices.as_ptr(),
+        pin_uvs: places.as_ptr().cast(),
+        pin_count: vertices.len(),
+        ..options()
+    }
+}
+
+fn uv_of(owned: &Owned) -> Vec<[f64; 2]> {
+    let view = owned.view();
+    // SAFETY: that is how long it is said to be.
+    unsafe { slice::from_raw_parts(view.uv64.cast(), view.vertex_count) }.to_vec()
+}
+
+#[test]
+fn an_energy_is_less_after_relaxing() {
+    let (positions, indices) = sheet();
+    let mesh = Shape::BumpySheet.mesh(800);
+    let plain = flatten_of(&positions, &indices, &options()).expect("a disk").view();
+    assert_eq!((plain.relax_steps, plain.energy_before, plain.pin_count), (0, 0.0, 0));
+    for (name, energy) in [(c"isometric", abf::Energy::Isometric), (c"0.5", abf::Energy::Slider(0.5))] {
+        let result = flatten_of(&positions, &indices, &AbfOptions { energy: name.as_ptr(), ..options() });
+        let result = result.expect("a disk");
+        let view = result.view();
+        let relax = Some(abf::Relax { energy, ..abf::Relax::default() });
+        let flat = abf::Pipeline { relax, ..abf::Pipeline::default() }.run(&mesh, &mut abf::Silent).expect("a disk");
+        let report = flat.relaxed.expect("a report");
+        assert_eq!(
+            (view.energy_before, view.energy_after, view.relax_steps),
+            (report.before, report.after, report.steps)
+        );
+        assert!(view.certified && view.energy_after < view.energy_before && view.stretch_l2 < plain.stretch_l2);
+        assert_eq!(uv_of(&result), flat.uv.points().iter().map(|p| [p.x, p.y]).collect::<Vec<_>>());
+    }
+    let atlas = unwrap(&AbfOptions { energy: c"usable".as_ptr(), ..options() }).expect("a cube").view();
+    assert!(atlas.certified && atlas.energy_after <= atlas.energy_before * (1.0 + 1e-9));
+    let kept = AbfOptions { energy: c"usable".as_ptr(), boundary: c"convex".as_ptr(), ..options() };
+    let (status, sentence) = flatten_of(&positions, &indices, &kept).unwrap_err();
+    assert_eq!((status, sentence.contains("moves the boundary")), (AbfStatus::Setting, true));
+}
+
+#[test]
+fn pins_are_met_or_said_to_be_missed() {
+    let (positions, indices) = sheet();
+    let places = [[1.0, 2.0], [4.0, 2.0]];
+    let result = flatten_of(&positions, &indices, &pinned(&[0, 9], &places)).expect("a disk");
+    let (view, uv) = (result.view(), uv_of(&result));
+    assert_eq!((uv[0], uv[9], view.pin_count, view.pins_missed), (places[0], places[1], 2, 0));
+    // SAFETY: that is how long it is said to be.
+    assert_eq!(unsafe { slice::from_raw_parts(view.pin_distances, 2) }, [0.0, 0.0]);
+    // A weight makes a pin soft.
+    let weights = [0.0, 0.5];
+    let soft = AbfOptions { pin_weights: weights.as_ptr(), ..pinned(&[0, 9], &places) };
+    let result = flatten_of(&positions, &indices, &soft).expect("a disk");
+    assert!(result.view().pins_missed == 0 && uv_of(&result)[0] == places[0] && uv_of(&result)[9] != places[1]);
+    let refused = |options: AbfOptions, part: &str| {
+        let (status, sentence) = flatten_of(&positions, &indices, &options).map(|_| ()).unwrap_err();
+        assert_eq!((status, sentence.contains(part)), (AbfStatus::Setting, true), "{sentence}");
+    };
+    refused(pinned(&[0, 100_000], &places), "there is no vertex 100000");
+    refused(pinned(&[0, 0], &places), "vertex 0 is pinned twice");
+    refused(pinned(&[0, 9], &[[1.0; 2]; 2]), "in one place");
+    refused(pinned(&[0, 9], &[[f64::NAN; 2], [0.0; 2]]), "not finite");
+    refused(AbfOptions { normalize: 1, ..pinned(&[0, 9], &places) }, "pins do not go with normalize");
+    let (status, sentence) = unwrap(&pinned(&[0, 1], &places)).unwrap_err();
+    assert_eq!((status, sentence.contains("charts")), (AbfStatus::Setting, true), "{sentence}");
+}
+
+fn relax_of(
+    (positions, indices): (&[[f64; 3]], &[u32]),
+    (uv, corners): (&[[f64; 2]], Option<&[u32]>),
+    options: &AbfOptions,
+) -> Result<Owned, (AbfStatus, String)> {
+    let mut result = ptr::null_mut();
+    let corners = corners.map_or(ptr::null(), <[u32]>::as_ptr);
+    let (vertices, count) = (positions.as_ptr().cast(), indices.len());
+    // SAFETY: slices are as long as they say.
+    let status = unsafe {
+        let (at, rows) = (uv.as_ptr().cast(), uv.len());
+        abf_relax(vertices, positions.len(), indices.as_ptr(), count, at, rows, corners, options, &mut result)
+    };
+    owned(status, result)
+}
+
+#[test]
+fn a_map_that_is_there_is_relaxed() {
+    let (positions, indices) = sheet();
+    let mesh = (&positions[..], &indices[..]);
+    let start = flatten_of(&positions, &indices, &AbfOptions { solver: c"lscm".as_ptr(), normalize: 1, ..options() });
+    let start = start.expect("a disk");
+    let uv = uv_of(&start);
+    let relaxed = relax_of(mesh, (&uv, None), &options()).expect("a map");
+    let view = relaxed.view();
+    assert!(view.certified && view.relax_steps > 0 && view.energy_after < view.energy_before);
+    assert!(
+        view.stretch_l2 < start.view().stretch_l2 && view.indices.is_null() && view.vertex_count == positions.len()
+    );
+    // The same UVs corner by corner come to the same points, each with its vertex.
+    let corners = relax_of(mesh, (&uv, Some(&indices)), &options()).expect("a map");
+    let (each, points) = (corners.view(), uv_of(&corners));
+    // SAFETY: that is how long they are said to be.
+    let (rows, remap) = unsafe {
+        (slice::from_raw_parts(each.indices, indices.len()), slice::from_raw_parts(each.remap, each.vertex_count))
+    };
+    let per_vertex = uv_of(&relaxed);
+    for (&row, &vertex) in rows.iter().zip(&indices) {
+        assert_eq!((remap[row as usize], points[row as usize]), (vertex, per_vertex[vertex as usize]));
+    }
+    let wrong = |uv: &[[f64; 2]], corners: Option<&[u32]>, options: &AbfOptions| {
+        relax_of(mesh, (uv, corners), options).map(|_| ()).unwrap_err()
+    };
+    let cases = [
+        (wrong(&uv[1..], None, &options()), AbfStatus::Setting, "uv_count must be the number of vertices"),
+        (wrong(&uv[..9], Some(&indices), &options()), AbfStatus::IndexRange, "there are 9 UVs"),
+        (wrong(&vec![[f64::NAN; 2]; uv.len()], None, &options()), AbfStatus::NotFinite, "not finite"),
+        (wrong(&uv, None, &AbfOptions { energy: c"0".as_ptr(), ..options() }), AbfStatus::Setting, "energy must be"),
+        (wrong(&uv, None, &AbfOptions { max_memory: 9, ..options() }), AbfStatus::Memory, "the limit"),
+        (
+            relax_of((&positions, &indices[1..]), (&uv, None), &options()).unwrap_err(),
+            AbfStatus::IndexCount,
+            "no triangles",
+        ),
+    ];
+    for ((status, sentence), expected, part) in cases {
+        assert!(status == expected && sentence.contains(part), "{status:?}: {sentence}");
+    }
+    let mut result = ptr::null_mut();
+    // SAFETY: nothing is read where a call is refused.
+    let status = unsafe {
+        let (v, i) = (positions.as_ptr().cast(), indices.as_ptr());
+        abf_relax(v, positions.len(), i, indices.len(), ptr::null(), 3, ptr::null(), ptr::null(), &mut result)
+    };
+    assert_eq!((status, said().as_str()), (AbfStatus::Pointer, "uv is null"));
+    let stages = |event: &AbfEvent| event.kind == AbfEventKind::Stage && event.stage == crate::event::AbfStage::Relax;
+    let mut heard = false;
+    let energy = AbfOptions { energy: c"usable".as_ptr(), ..options() };
+    // SAFETY: it is a live struct.
+    let settings = unsafe { read_options(&energy) }.expect("settings").settings;
+    run::flatten(&positions, &indices, &settings, &mut |event| {
+        heard |= stages(event);
+        ABF_CONTINUE
+    })
+    .expect("a disk");
+    assert!(heard);
 }
 
 #[test]
