@@ -164,27 +164,27 @@ impl AbfOptions {
     pub(crate) const SIZES: [usize; 2] = [offset_of!(Self, zero_area), size_of::<Self>()];
 }
 
-/// Names in [`AbfOptions`], as text.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Names {
-    pub(crate) solver: Option<String>,
-    pub(crate) layout: Option<String>,
-    pub(crate) weld: Option<String>,
-    pub(crate) holes: Option<String>,
-    pub(crate) double_sided: Option<String>,
-    pub(crate) pack: Option<String>,
-    pub(crate) zero_area: Option<String>,
-    pub(crate) boundary: Option<String>,
-    pub(crate) wheel: Option<String>,
-    pub(crate) hessian: Option<String>,
-    pub(crate) line_search: Option<String>,
-    pub(crate) reduction: Option<String>,
-    pub(crate) preconditioner: Option<String>,
-    pub(crate) inner_margin: Option<String>,
-    pub(crate) atlas: Option<String>,
-    pub(crate) overlap: Option<String>,
-    pub(crate) seams: Option<String>,
-    pub(crate) energy: Option<String>,
+/// The fields of [`AbfOptions`] that are names, as text.
+macro_rules! names {
+    ($($field:ident),+ $(,)?) => {
+        /// Names in [`AbfOptions`], as text.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub(crate) struct Names {
+            $(pub(crate) $field: Option<String>,)+
+        }
+
+        impl Names {
+            /// Reads all of them with `text`, which gives none for null.
+            pub(crate) fn read(options: &AbfOptions, text: impl Fn(*const c_char) -> Option<String>) -> Self {
+                Self { $($field: text(options.$field),)+ }
+            }
+        }
+    };
+}
+
+names! {
+    solver, layout, weld, holes, double_sided, pack, zero_area, boundary, wheel, hessian, line_search, reduction,
+    preconditioner, inner_margin, atlas, overlap, seams, energy,
 }
 
 /// What a call is told.

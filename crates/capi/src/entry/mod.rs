@@ -228,26 +228,7 @@ unsafe fn read_options(options: *const AbfOptions) -> Result<Call, Failure> {
             ptr::copy_nonoverlapping(options.cast::<u8>(), read.as_mut_ptr().cast::<u8>(), size);
         }
         let options = read.assume_init();
-        let names = Names {
-            solver: name(options.solver),
-            layout: name(options.layout),
-            weld: name(options.weld),
-            holes: name(options.holes),
-            double_sided: name(options.double_sided),
-            pack: name(options.pack),
-            zero_area: name(options.zero_area),
-            boundary: name(options.boundary),
-            wheel: name(options.wheel),
-            hessian: name(options.hessian),
-            line_search: name(options.line_search),
-            reduction: name(options.reduction),
-            preconditioner: name(options.preconditioner),
-            inner_margin: name(options.inner_margin),
-            atlas: name(options.atlas),
-            overlap: name(options.overlap),
-            seams: name(options.seams),
-            energy: name(options.energy),
-        };
+        let names = Names::read(&options, |text| name(text));
         let host = Host { call: options.progress, user: options.user };
         Ok(Call { settings: Settings::read(&options, &names)?, host, options })
     }
