@@ -3,11 +3,21 @@
 import { AbfWorker } from "./abf/worker.js";
 import { RANGES, chartColour, colour, distortion } from "./distortion.js";
 import { bounds, edges, read, writeGlb, writeObj, writeSvg } from "./files.js";
-import { curves } from "./curves.js";
+import { curves, layouts } from "./curves.js";
 import { View } from "./view.js";
 
-const SOLVERS = ["auto", "linabf", "abf++", "abf-newton", "uzawa", "minres", "barrier", "descent", "lscm"];
-const COMPARED = ["linabf", "abf++", "barrier"];
+const SOLVERS = ["auto", "linabf", "abf++", "abf-newton", "uzawa", "minres", "barrier", "descent", "habf++", "hlinabf", "lscm"];
+/** Those with iterations, and the paper of each; the first three are compared unless others are chosen. */
+const PAPERS = {
+  linabf: "Zayer, Lévy, Seidel 2007",
+  "abf++": "Sheffer, Lévy, Mogilnitsky, Bogomyakov 2005",
+  barrier: "interior points",
+  abf: "Sheffer, de Sturler 2001",
+  "abf-newton": "Zayer, Rössl, Seidel 2005",
+  uzawa: "Zayer, Rössl, Seidel 2004",
+  minres: "the same, by MINRES",
+};
+const [FEWEST, MOST] = [2, 4];
 const SAMPLES = { mask: "mask", hemisphere: "hemisphere", "wavy-saddle": "wavy saddle", cyclide: "ring cyclide", "letter-x": "letter X" };
 
 const $ = (id) => document.getElementById(id);
@@ -29,7 +39,9 @@ function say(text, bad = false) {
 
 function enable() {
   const busy = worker.busy;
-  for (const id of ["run", "compare"]) $(id).disabled = busy || !mesh;
+  $("run").disabled = busy || !mesh;
+  const count = chosen().length;
+  $("compare").disabled = busy || !mesh || count < FEWEST || count > MOST;
   $("cancel").disabled = !busy;
   for (const id of ["save-glb", "save-obj", "save-svg"]) $(id).disabled = busy || !result;
   document.body.setAttribute("aria-busy", String(busy));
@@ -57,6 +69,7 @@ async function open(name, buffer) {
 
 function settings() {
   const options = { solver: $("solver").value };
+  if ($("energy").value) options.energy = $("energy").value;
   const seconds = Number($("seconds").value);
   if (seconds > 0) options.timeLimit = seconds;
   if ($("mode").value === "unwrap") {
@@ -99,7 +112,8 @@ function progress(event) {
     const of = event.components > 1 ? `component ${event.component + 1} of ${event.components}, ` : "";
     say(`Unwrapping: ${of}round ${event.round + 1}, ${event.facesDone} of ${event.faces} triangles done`);
   } else if (event.kind === "iteration") {
-    say(`Iteration ${event.iteration}: residual ${event.residual.toExponential(1)}`);
+    const residual = Number.isFinite(event.residual) ? `: residual ${event.residual.toExponential(1)}` : "";
+    say(`${event.stage === "relax" ? "Relaxing, step" : "Iteration"} ${event.iteration}${residual}`);
   }
 }
 
@@ -191,6 +205,9 @@ function certificate() {
     ["Angle error F / 3nt, rad²", { text: result.angleError.toExponential(6) }],
     ["L² stretch", number(result.stretchL2)],
     ["Quasi-conformal distortion, mean and largest", { text: `${result.qcMean.toPrecision(4)}, ${result.qcMax.toPrecision(4)}` }],
+    ...(result.relaxSteps > 0
+      ? [["Energy before and after", { text: `${result.energyBefore.toPrecision(4)}, ${result.energyAfter.toPrecision(4)} in ${result.relaxSteps} steps` }]]
+      : []),
     ["Solver, and how it ended", { text: `${result.solver}, ${result.termination}` }],
   ];
   if (result.uvs) {
@@ -208,16 +225,21 @@ function certificate() {
   $("certificate").hidden = false;
 }
 
+/** The solvers that are to be compared. */
+function chosen() {
+  return [...document.querySelectorAll("#papers input:checked")].map(({ value }) => value);
+}
+
 /** Flattens the same disk with several solvers, one after the other, and draws how they converge. */
 async function compare() {
   if (!mesh || worker.busy) return;
   const runs = [];
   try {
-    for (const solver of COMPARED) {
+    for (const solver of chosen()) {
       const points = [];
       const began = performance.now();
       const hear = (event) => {
-        if (event.kind === "iteration") points.push([event.iteration, event.residual]);
+        if (event.kind === "iteration" && Number.isFinite(event.residual)) points.push([event.iteration, event.residual]);
         say(`${solver}: iteration ${event.iteration}`);
       };
       const job = worker.flatten(mesh.positions, mesh.indices, { solver, onProgress: hear });
@@ -225,7 +247,7 @@ async function compare() {
       const flat = await job;
       runs.push({ solver, points, flat, seconds: (performance.now() - began) / 1000 });
     }
-    $("curves").querySelector("div").replaceChildren(...curves(runs));
+    $("curves").querySelector("div").replaceChildren(...curves(runs), layouts(mesh, runs));
     $("curves").hidden = false;
     say(`${runs.length} solvers on ${mesh.indices.length / 3} triangles`);
   } catch (error) {
@@ -244,6 +266,20 @@ function save(ending, writer) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
 
+Object.entries(PAPERS).forEach(([solver, paper], at) => {
+  const box = Object.assign(document.createElement("input"), { type: "checkbox", value: solver, checked: at < 3 });
+  const label = document.createElement("label");
+  label.append(box, `${solver} (${paper})`);
+  box.addEventListener("change", enable);
+  document.querySelector("#papers fieldset").append(label);
+});
+// What a pointer sees when it rests on a setting is there for everyone.
+for (const label of document.querySelectorAll("#settings label[title]")) {
+  const name = label.firstChild.textContent.trim();
+  const meaning = Object.assign(document.createElement("dd"), { textContent: label.title, id: `means-${label.control.id}` });
+  document.querySelector("#help dl").append(Object.assign(document.createElement("dt"), { textContent: name }), meaning);
+  label.control.setAttribute("aria-describedby", meaning.id);
+}
 $("solver").append(...SOLVERS.map((name) => new Option(name)));
 $("sample").append(...Object.entries(SAMPLES).map(([file, name]) => new Option(name, file)));
 $("settings").addEventListener("submit", (event) => {

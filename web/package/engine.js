@@ -3,7 +3,7 @@
 import { AbfError, errorOf } from "./errors.js";
 
 const KINDS = ["working", "stage", "solver", "iteration", "inner"];
-const STAGES = ["topology", "solve", "layout", "certificate"];
+const STAGES = ["topology", "solve", "layout", "certificate", "relax"];
 const TERMINATIONS = ["converged", "one-pass", "max-iterations", "time-limit", "stalled", "cancelled"];
 const VERDICTS = { continue: 0, stop: 1, abort: 2 };
 
@@ -32,6 +32,7 @@ const COMMON = {
   preconditioner: "preconditioner",
   maxInnerIterations: "max_inner_iterations",
   innerTolerance: "inner_tolerance",
+  energy: "energy",
 };
 /** Those of `unwrap` alone. */
 const CHARTS = {
@@ -61,7 +62,8 @@ const FIELDS = { ...COMMON, ...CHARTS, normalize: "normalize" };
 /** Arrays with a number for every triangle. */
 const LABELS = ["materials", "objects", "polygons"];
 
-const OF_FLATTEN = [...Object.keys(COMMON), "onProgress", "normalize", "boundary"];
+const OF_FLATTEN = [...Object.keys(COMMON), "onProgress", "normalize", "boundary", "pins"];
+const OF_RELAX = ["energy", "pins", "timeLimit", "maxMemory", "zeroArea", "normalize", "onProgress"];
 const OF_UNWRAP = [...Object.keys(COMMON), "onProgress", ...Object.keys(CHARTS), "resolution", "stride", "seams", "uv", "uvIndices", ...LABELS];
 /** Where 0 would be taken for the default, and is none. */
 const NOT_ZERO = [
@@ -99,6 +101,19 @@ export class Abf {
       const count = vertices(input.length, 3);
       this.#check(count, indices.length / 3, options.solver, 1);
       return this.#exports.abf_flatten(keep(input), count, keep(whole(indices)), indices.length, fields, result);
+    }, indices.length);
+  }
+
+  /** Relaxes UVs that anybody made, each chart by itself: one per vertex, or those of `uvIndices`. */
+  relax(positions, indices, uv, { uvIndices, ...options } = {}) {
+    const input = numbers(positions, Float64Array, "positions");
+    const map = times(numbers(uv, Float64Array, "uv"), 2, "uv", "row");
+    return this.#run(options, OF_RELAX, (fields, result, keep) => {
+      const count = vertices(input.length, 3);
+      this.#check(count, indices.length / 3, "descent", 1);
+      const corners = uvIndices == null ? 0 : keep(long(whole(uvIndices), indices.length, "uvIndices", "index"));
+      const mesh = [keep(input), count, keep(whole(indices)), indices.length];
+      return this.#exports.abf_relax(...mesh, keep(map), map.length / 2, corners, fields, result);
     }, indices.length);
   }
 
@@ -251,8 +266,9 @@ export class Abf {
         indices: take(Uint32Array, view.indices, 3 * view.triangleCount),
         triangleCharts: take(Uint32Array, view.triangleCharts, view.triangleCount),
         chartPages: take(Uint32Array, view.chartPages, view.chartCount),
+        pinDistances: take(Float64Array, view.pinDistances, view.pinCount),
       };
-      for (const name of ["size", "uv64", "uv32"]) delete view[name];
+      for (const name of ["size", "uv64", "uv32", "pinCount"]) delete view[name];
       view.termination = TERMINATIONS[view.termination];
       for (const [name, array] of Object.entries(arrays)) {
         if (array) view[name] = array;
@@ -326,7 +342,7 @@ function vertices(length, per) {
 
 /** Options that are arrays, or names instead: the fields of AbfOptions with what goes there. */
 function arrays(options, corners) {
-  const { boundary, seams, uv, uvIndices } = options;
+  const { boundary, seams, uv, uvIndices, pins } = options;
   const fields = [];
   const add = (field, array, count) => fields.push([field, array], ...(count ? [[count[0], array.length / count[1]]] : []));
   if (typeof boundary === "string") fields.push(["boundary", boundary]);
@@ -334,6 +350,16 @@ function arrays(options, corners) {
     const given = boundary instanceof Map ? [...boundary] : Object.entries(boundary);
     add("boundary_vertices", whole(given.map(([vertex]) => Number(vertex))), ["boundary_count", 1]);
     add("boundary_angles", numbers(given.map(([, angle]) => angle), Float64Array, "boundary"));
+  }
+  if (pins != null) {
+    const given = pins instanceof Map ? [...pins] : Object.entries(pins);
+    const wrong = given.find(([, place]) => !(Array.isArray(place) || ArrayBuffer.isView(place)) || ![2, 3].includes(place.length));
+    if (wrong) throw errorOf("input", `the pin of vertex ${wrong[0]} must be [u, v] or [u, v, weight]`);
+    const soft = given.find(([, place]) => place.length === 3 && !(place[2] > 0));
+    if (soft) throw errorOf("setting", `the weight of the pin of vertex ${soft[0]} must be positive, got ${soft[1][2]}`);
+    add("pin_vertices", whole(given.map(([vertex]) => Number(vertex))), ["pin_count", 1]);
+    add("pin_uvs", numbers(given.flatMap(([, [u, v]]) => [u, v]), Float64Array, "pins"));
+    add("pin_weights", numbers(given.map(([, place]) => place[2] ?? 0), Float64Array, "pins"));
   }
   if (typeof seams === "string") fields.push(["seams", seams]);
   else if (seams != null) add("seam_vertices", times(whole(seams), 2, "seams", "edge"), ["seam_count", 2]);

@@ -8,7 +8,7 @@ export type Solver =
 /** What happened. Every field has a value; `kind` says which of them are news. */
 export interface Progress {
   kind: "working" | "stage" | "solver" | "iteration" | "inner";
-  stage: "topology" | "solve" | "layout" | "certificate";
+  stage: "topology" | "solve" | "layout" | "relax" | "certificate";
   /** The solver that begins, else null. */
   solver: string | null;
   /** Outer iterations or passes, counted from 1. */
@@ -26,6 +26,13 @@ export interface Progress {
 
 /** "stop" ends with the best result so far, "abort" (or false) without one. Nothing (or true) goes on. */
 export type Verdict = "continue" | "stop" | "abort" | boolean | void;
+
+/** What is to be little in a map: errors of angles, of lengths, of angles with areas within bounds, or the weight of areas. */
+export type Energy = "abf" | "isometric" | "usable" | number;
+/** Vertices with their places: [u, v], or [u, v, weight] where the place need not be met. */
+export type Pins =
+  | ReadonlyMap<number, readonly [number, number] | readonly [number, number, number]>
+  | Readonly<Record<number, readonly [number, number] | readonly [number, number, number]>>;
 
 export interface CommonOptions {
   /** Default "auto": the first of several whose result is certified. */
@@ -67,6 +74,8 @@ export interface CommonOptions {
   maxInnerIterations?: number;
   /** "uzawa" and "minres": the relative residual of inner iterations; default: it follows the constraint residual. */
   innerTolerance?: number;
+  /** Relax the map, or each chart, until this energy is least; "usable" is 0.01. Not with a boundary. Default: the map stays. */
+  energy?: Energy;
   /** Hears of progress on the thread that works. What it throws comes out of the call. */
   onProgress?: (event: Progress) => Verdict;
 }
@@ -81,6 +90,25 @@ export interface FlattenOptions extends CommonOptions {
   boundary?:
     | "free" | "convex" | "below-2pi" | `below-2pi=${number}` | "rectangle" | `rectangle=${string}` | "circle"
     | ReadonlyMap<number, number> | Readonly<Record<number, number>>;
+  /**
+   * Vertices in given places: one or two by moving, turning and scaling the map, more by moving the others with `energy`, or
+   * "isometric". Not with a boundary, or `normalize`.
+   */
+  pins?: Pins;
+}
+
+export interface RelaxOptions {
+  /** Default "isometric". */
+  energy?: Energy;
+  /** For one chart without seams. They say where the map is then. */
+  pins?: Pins;
+  /** For every index the row of its UV; default: that of its vertex. */
+  uvIndices?: Numbers;
+  normalize?: boolean;
+  zeroArea?: "carry" | "refuse";
+  timeLimit?: number;
+  maxMemory?: number;
+  onProgress?: (event: Progress) => Verdict;
 }
 
 export interface UnwrapOptions extends CommonOptions {
@@ -177,13 +205,32 @@ export interface Quality {
   areaL2: number;
   surfaceArea: number;
   uvArea: number;
-  /** Whose result it is; "several" where charts differ. */
+  /** Whose result it is; "several" where charts differ; empty of `relax`. */
   solver: string;
+  /** How many steps `energy` took, all charts together. */
+  relaxSteps: number;
+  /** The energy before and at the end, for a surface of area 1; of several charts the mean by area. 0 without steps. */
+  energyBefore: number;
+  energyAfter: number;
+  /** How many pins must be met and are not. */
+  pinsMissed: number;
+  /** How far each pinned vertex is from its place, in the order of `pins`. */
+  pinDistances?: Float64Array;
 }
 
 export interface Flattened extends Quality {
   /** u and v of every vertex of the input. */
   uv: Float64Array;
+}
+
+export interface Relaxed extends Quality {
+  /** u and v of every vertex of the input; or of every row, with `uvIndices`. */
+  uv: Float64Array;
+  /** With `uvIndices`: the row of every index, and the vertex of every row. */
+  indices?: Uint32Array;
+  remap?: Uint32Array;
+  /** The chart of every triangle. */
+  triangleCharts: Uint32Array;
 }
 
 export interface Unwrapped extends Quality {
@@ -220,6 +267,7 @@ export class Abf {
   readonly memoryBytes: number;
   readonly version: number;
   flatten(positions: Numbers, indices: Numbers, options?: FlattenOptions): Flattened;
+  relax(positions: Numbers, indices: Numbers, uv: Numbers, options?: RelaxOptions): Relaxed;
   unwrap(positions: Numbers, indices: Numbers, options?: UnwrapOptions): Unwrapped;
   /** About how many bytes it takes at most to flatten a disk. */
   predictMemory(triangles: number, vertexCount: number, solver?: Solver): number;
@@ -233,6 +281,8 @@ export function load(source?: Source): Promise<Abf>;
 export function compile(source?: Source): Promise<WebAssembly.Module>;
 /** Flattens a disk: one UV per vertex. */
 export function flatten(positions: Numbers, indices: Numbers, options?: FlattenOptions): Promise<Flattened>;
+/** Relaxes UVs that anybody made until an energy is least, each chart by itself; charts may come to lie over each other. */
+export function relax(positions: Numbers, indices: Numbers, uv: Numbers, options?: RelaxOptions): Promise<Relaxed>;
 /** Unwraps any mesh into an atlas. */
 export function unwrap(positions: Numbers, indices: Numbers, options?: UnwrapOptions): Promise<Unwrapped>;
 

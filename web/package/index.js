@@ -36,6 +36,11 @@ export async function flatten(positions, indices, options) {
   return (await load()).flatten(positions, indices, options);
 }
 
+/** Relaxes UVs that anybody made, each chart by itself. */
+export async function relax(positions, indices, uv, options) {
+  return (await load()).relax(positions, indices, uv, options);
+}
+
 /** Unwraps any mesh into an atlas. */
 export async function unwrap(positions, indices, options) {
   return (await load()).unwrap(positions, indices, options);

@@ -7,7 +7,7 @@ const QUIET = 50;
 
 let abf;
 
-self.onmessage = ({ data: { id, method, module, positions, indices, options } }) => {
+self.onmessage = ({ data: { id, method, module, arrays, options } }) => {
   let told = 0;
   const onProgress = (event) => {
     const now = performance.now();
@@ -19,7 +19,7 @@ self.onmessage = ({ data: { id, method, module, positions, indices, options } })
   };
   try {
     abf ??= new Abf(module);
-    const result = abf[method](positions, indices, { ...options, onProgress });
+    const result = abf[method](...arrays, { ...options, onProgress });
     result.memoryBytes = abf.memoryBytes;
     const buffers = Object.values(result).filter(ArrayBuffer.isView).map((array) => array.buffer);
     self.postMessage({ id, result }, buffers);

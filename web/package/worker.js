@@ -26,6 +26,11 @@ export class AbfWorker {
     return this.#call("flatten", positions, indices, options);
   }
 
+  /** Relaxes UVs that anybody made. One call at a time. */
+  relax(positions, indices, uv, options) {
+    return this.#call("relax", positions, indices, options, uv);
+  }
+
   /** Unwraps any mesh into an atlas. One call at a time. */
   unwrap(positions, indices, options) {
     return this.#call("unwrap", positions, indices, options);
@@ -45,13 +50,13 @@ export class AbfWorker {
     this.#worker = this.#running = undefined;
   }
 
-  async #call(method, positions, indices, options = {}) {
+  async #call(method, positions, indices, options = {}, ...maps) {
     if (this.#running) throw errorOf("setting", "the worker is busy: wait for it, cancel it, or take another one");
     const { onProgress, ...rest } = options;
     const id = ++this.#next;
     return new Promise((resolve, reject) => {
       this.#running = { id, resolve, reject, onProgress };
-      this.#module.then((module) => this.#post({ id, method, module, positions, indices, options: rest }), (error) => this.#end(id, () => reject(error)));
+      this.#module.then((module) => this.#post({ id, method, module, arrays: [positions, indices, ...maps], options: rest }), (error) => this.#end(id, () => reject(error)));
     });
   }
 

@@ -84,6 +84,33 @@ test("a boundary is what was asked for, by its name and by its angles", () => {
   }
 });
 
+test("an energy is less after relaxing, and pins are met or said to be missed", () => {
+  const { positions, indices } = sheet(20);
+  const steep = positions.map((x, at) => (at % 3 === 2 ? 6 * x : x));
+  const plain = engine.flatten(steep, indices);
+  assert.deepEqual([plain.relaxSteps, plain.pinDistances], [0, undefined]);
+  for (const energy of ["usable", 0.5, "isometric"]) {
+    const flat = engine.flatten(steep, indices, { energy });
+    assert.ok(flat.certified && flat.relaxSteps > 0 && flat.energyAfter < flat.energyBefore && flat.stretchL2 < plain.stretchL2);
+  }
+  const start = engine.flatten(steep, indices, { solver: "lscm", normalize: true });
+  const better = engine.relax(steep, indices, start.uv);
+  assert.ok(better.certified && better.stretchL2 < start.stretchL2 && Math.abs(better.uvArea / start.uvArea - 1) < 1e-9);
+  const corners = engine.relax(steep, indices, start.uv, { uvIndices: indices });
+  for (let c = 0; c < indices.length; ++c) {
+    assert.equal(corners.remap[corners.indices[c]], indices[c]);
+    assert.equal(corners.uv[2 * corners.indices[c]], better.uv[2 * indices[c]]);
+  }
+  for (const pins of [{ 0: [1, 2], 5: [3, 2] }, new Map([[0, [1, 2]], [5, new Float32Array([3, 2])]])]) {
+    const flat = engine.flatten(steep, indices, { pins });
+    assert.deepEqual([...flat.uv.slice(0, 2), ...flat.uv.slice(10, 12), ...flat.pinDistances], [1, 2, 3, 2, 0, 0]);
+  }
+  const soft = engine.flatten(steep, indices, { pins: { 0: [1, 2], 5: [3, 2, 0.5] } });
+  assert.ok(soft.pinsMissed === 0 && soft.pinDistances[1] > 0);
+  const atlas = engine.unwrap(torus(24, 12).positions, torus(24, 12).indices, { energy: "isometric" });
+  assert.ok(atlas.certified && atlas.relaxSteps > 0);
+});
+
 test("arrays of any kind are taken, and a stride skips what lies between", () => {
   const { positions, indices } = cube;
   const expected = engine.unwrap(positions, indices);
@@ -116,6 +143,23 @@ test("every wrong input has a class and a code", () => {
     [() => engine.flatten(...triangle, { boundary: "oval" }), abf.AbfSettingError, "setting"],
     [() => engine.flatten(...triangle, { boundary: { 7: 1 } }), abf.AbfSettingError, "setting"],
     [() => engine.flatten(...triangle, { boundary: { x: 1 } }), abf.AbfInputError, "index-range"],
+    [() => engine.flatten(...triangle, { energy: "little" }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(...triangle, { energy: 0 }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(...triangle, { energy: "usable", boundary: "convex" }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(...triangle, { pins: { 0: [1] } }), abf.AbfInputError, "input"],
+    [() => engine.flatten(...triangle, { pins: { 0: 1 } }), abf.AbfInputError, "input"],
+    [() => engine.flatten(...triangle, { pins: { x: [1, 2] } }), abf.AbfInputError, "index-range"],
+    [() => engine.flatten(...triangle, { pins: { 7: [1, 2] } }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(...triangle, { pins: { 0: [1, 2, 0] } }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(...triangle, { pins: { 0: [1, NaN] } }), abf.AbfSettingError, "setting"],
+    [() => engine.flatten(...triangle, { pins: { 0: [1, 2] }, normalize: true }), abf.AbfSettingError, "setting"],
+    [() => engine.unwrap(positions, indices, { pins: { 0: [1, 2] } }), abf.AbfSettingError, "setting"],
+    [() => engine.relax(...triangle, [0, 0, 1, 0, 0, 1], { solver: "auto" }), abf.AbfSettingError, "setting"],
+    [() => engine.relax(...triangle, [0, 0, 1, 0]), abf.AbfSettingError, "setting"],
+    [() => engine.relax(...triangle, [0, 0, 1, 0, 0]), abf.AbfInputError, "input"],
+    [() => engine.relax(...triangle, [0, 0, 1, 0, 0, NaN]), abf.AbfInputError, "not-finite"],
+    [() => engine.relax(...triangle, [0, 0, 1, 0, 0, 1], { uvIndices: [0, 1, 3] }), abf.AbfInputError, "index-range"],
+    [() => engine.relax(...triangle, [0, 0, 1, 0, 0, 1], { uvIndices: [0, 1] }), abf.AbfInputError, "input"],
     [() => engine.flatten(...triangle, { coverage: 0.5 }), abf.AbfSettingError, "setting"],
     [() => engine.flatten(...triangle, { errorBound: 0 }), abf.AbfSettingError, "setting"],
     [() => engine.flatten(...triangle, { errorBound: 0.5 }), abf.AbfSettingError, "setting"],

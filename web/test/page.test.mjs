@@ -1,60 +1,19 @@
 // The page in headless Chromium: every format dropped, a broken file, cancelling, picking, and what is downloaded judged by the program.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
-import { createServer } from "node:http";
-import { createRequire } from "node:module";
-import { tmpdir } from "node:os";
-import { extname, join, normalize } from "node:path";
+import { readFileSync, statSync } from "node:fs";
+import { join } from "node:path";
 import test, { after, before } from "node:test";
+import { WAIT, openPage } from "./browser.mjs";
 import { sheet, torus } from "./shapes.mjs";
 
-const { chromium } = createRequire(join(process.env.ABF_PACKAGES, "package.json"))("playwright-core");
-const root = new URL("../app/dist/", import.meta.url).pathname;
-const TYPES = {
-  ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm", ".obj": "text/plain", ".txt": "text/plain",
-};
-const WAIT = { timeout: 120_000 };
-const folder = mkdtempSync(join(tmpdir(), "check-web-"));
 const faults = [];
-let server;
-let context;
-let page;
+let [page, folder, close] = [];
 
-before(async () => {
-  server = createServer((request, response) => {
-    const path = normalize(decodeURIComponent(new URL(request.url, "http://localhost").pathname));
-    try {
-      const content = readFileSync(join(root, path === "/" ? "index.html" : path));
-      response.writeHead(200, { "content-type": path === "/" ? "text/html" : (TYPES[extname(path)] ?? "application/octet-stream") });
-      response.end(content);
-    } catch {
-      response.writeHead(404).end();
-    }
-  });
-  await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
-  const here = `http://127.0.0.1:${server.address().port}`;
-  context = await chromium.launchPersistentContext(join(folder, "profile"), {
-    executablePath: process.env.ABF_BROWSER,
-    headless: true,
-    viewport: { width: 1280, height: 900 },
-    args: ["--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-      "--disable-quic", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-  });
-  page = await context.newPage();
-  page.on("console", (message) => { if (message.type() === "error") faults.push(`console: ${message.text()}`); });
-  page.on("pageerror", (error) => faults.push(`page: ${error}`));
-  page.on("request", (request) => {
-    if (!/^(blob|data):/.test(request.url()) && !request.url().startsWith(here)) faults.push(`loaded from elsewhere: ${request.url()}`);
-  });
-  await page.goto(`${here}/`);
-  await page.waitForFunction('document.documentElement.dataset.ready === "yes"', null, WAIT);
-});
+before(async () => ({ page, folder, close } = await openPage({ faults })));
 
 after(async () => {
-  await context?.close();
-  server?.close();
-  rmSync(folder, { recursive: true, force: true });
+  await close?.();
   assert.deepEqual(faults, []);
 });
 
@@ -194,12 +153,36 @@ test("a disk is flattened as it is, and a mesh that is none is told what to do",
   assert.match(await cell("Angle error"), /e-/);
 });
 
-test("solvers stand side by side with their curves", async () => {
+test("a map is relaxed to an energy, which the certificate tells", async () => {
+  const plain = Number(await cell("L² stretch"));
+  await page.selectOption("#energy", "isometric");
+  await page.evaluate(() => (document.getElementById("status").textContent = ""));
+  await page.click("#run");
+  await done();
+  assert.match(await cell("Energy before and after"), /^[\d.e+-]+, [\d.e+-]+ in \d+ steps$/);
+  assert.ok(Number(await cell("L² stretch")) < plain);
+  assert.equal(await cell("Certified"), "yes");
+  await page.selectOption("#energy", "");
+  assert.match(await page.textContent("#means-energy"), /symmetric Dirichlet/);
+});
+
+test("solvers stand side by side with their curves and their layouts", async () => {
+  await page.click("#papers summary");
+  await page.uncheck('#papers input[value="linabf"]');
+  await page.uncheck('#papers input[value="barrier"]');
+  assert.equal(await page.isDisabled("#compare"), true);
+  await page.check('#papers input[value="linabf"]');
+  await page.check('#papers input[value="barrier"]');
   await page.click("#compare");
   await done(/3 solvers on 1800 triangles/);
   assert.deepEqual(await page.locator("#curves td:first-child").allTextContents(), ["linabf", "abf++", "barrier"]);
   assert.deepEqual(await page.locator("#curves td:nth-child(6)").allTextContents(), ["yes", "yes", "yes"]);
   assert.equal(await page.locator("#curves polyline").count(), 3);
+  const drawn = await page.evaluate(() => [...document.querySelectorAll(".layouts canvas")].map((canvas) => {
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    return data.filter((value, at) => at % 4 === 3 && value > 0).length / (canvas.width * canvas.height);
+  }));
+  assert.ok(drawn.length === 3 && drawn.every((share) => share > 0.3), `the layouts cover ${drawn}`);
   await shot("page-compare");
 });
 

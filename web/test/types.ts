@@ -12,6 +12,12 @@ export async function everything(positions: Float32Array, indices: Uint16Array):
   abf.flatten(positions, indices, { boundary: "rectangle=0,1,2,3", solver: "linabf" });
   abf.flatten(positions, indices, { boundary: new Map([[0, Math.PI / 2]]) });
   abf.unwrap(positions, indices, { seams: [0, 1], coverage: 0.8, innerMargin: "keep", materials: indices, overlap: "allow" });
+  abf.flatten(positions, indices, { energy: "usable", pins: { 0: [0, 0], 7: [1, 0, 0.5] } });
+  const better: Float64Array = abf.relax(positions, indices, flat.uv, { energy: 0.5, pins: new Map([[0, [0, 0] as const]]) }).uv;
+  // @ts-expect-error there is no such energy
+  abf.unwrap(positions, indices, { energy: "little", maxStretch: better[0] });
+  // @ts-expect-error pins are for a disk
+  abf.unwrap(positions, indices, { pins: { 0: [0, 0] } });
   // @ts-expect-error a boundary is one of a disk
   abf.unwrap(positions, indices, { boundary: "circle" });
   // @ts-expect-error there is no such rule
