@@ -288,8 +288,11 @@ $("settings").addEventListener("submit", (event) => {
 });
 $("mode").addEventListener("change", () => {
   const isAtlas = $("mode").value === "unwrap";
-  document.querySelectorAll(".of-unwrap").forEach((label) => (label.hidden = !isAtlas));
-  document.querySelectorAll(".of-flatten").forEach((label) => (label.hidden = isAtlas));
+  for (const label of document.querySelectorAll(".of-unwrap, .of-flatten")) {
+    label.hidden = label.classList.contains("of-unwrap") !== isAtlas;
+    // What nobody sees is not checked either.
+    label.control.disabled = label.hidden;
+  }
   $("run").textContent = isAtlas ? "Unwrap" : "Flatten";
 });
 $("cancel").addEventListener("click", () => worker.cancel());

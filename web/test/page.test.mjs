@@ -100,6 +100,13 @@ for (const [name, write] of [["torus.obj", asObj], ["torus.ply", asPly], ["torus
   });
 }
 
+test("the button unwraps with the settings as they come", async () => {
+  await page.evaluate(() => (document.getElementById("status").textContent = ""));
+  await page.click("#run");
+  await done();
+  assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll("#settings :invalid")].map(({ id }) => id)), []);
+});
+
 test("colours, and a chart that is picked", async () => {
   for (const kind of ["angle", "area", "stretch", "chart"]) {
     await page.selectOption("#colours", kind);
