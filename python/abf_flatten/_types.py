@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Literal, Optional, Union
+from typing import TYPE_CHECKING, Any, Literal, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,5 +48,5 @@ Overlap = Literal["refuse", "allow"]
 #: What is to be little in a map; a number is the weight of areas beside angles.
 Energy = Union[Literal["abf", "isometric", "usable"], float]
 #: Vertices with their places: (u, v), or (u, v, weight) where the place need not be met.
-Pins = Mapping[int, Sequence[float]]
+Pins = Mapping[int, Union[Sequence[float], NDArray[Any]]]
 OnProgress = Callable[["Progress"], object]

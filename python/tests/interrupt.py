@@ -37,7 +37,7 @@ def latency(mesh: Any, solver: Any, after: float) -> float | None:
     try:
         try:
             if solver == "relax":
-                abf.relax(*mesh, mesh[0][:, :2])
+                abf.relax(mesh[0], mesh[1], mesh[0][:, :2])
             else:
                 abf.flatten(*mesh, solver=solver)
         except KeyboardInterrupt:

@@ -86,7 +86,7 @@ def test_an_energy_is_less_after_relaxing(disk: Mesh) -> None:
     assert free.relaxed is None and free.pinned is None
     stretches = []
     for energy in ("abf", "usable", 0.5, "isometric"):
-        flat = abf.flatten(vertices, faces, energy=energy)  # type: ignore[arg-type]
+        flat = abf.flatten(vertices, faces, energy=energy)
         assert flat.certified and flat.relaxed is not None and flat.relaxed.energy == str(energy)
         assert flat.relaxed.after <= flat.relaxed.before * (1 + 1e-12)
         stretches.append(flat.metrics.stretch_l2)
@@ -103,7 +103,7 @@ def test_charts_are_relaxed(ring: Mesh) -> None:
 
 
 def test_vertices_are_pinned(disk: Mesh) -> None:
-    two = abf.flatten(*disk, pins={0: (1, 1), np.int64(19): np.array([3.0, 1.0])})
+    two = abf.flatten(*disk, pins={0: (1, 1), 19: np.array([3.0, 1.0])})
     assert two.certified and two.pinned and two.pinned.steps == 0
     assert two.pinned.missed == [] and two.pinned.distances == {0: 0.0, 19: 0.0}
     assert np.array_equal(two.uv[[0, 19]], [[1, 1], [3, 1]])
@@ -114,7 +114,8 @@ def test_vertices_are_pinned(disk: Mesh) -> None:
     assert all(np.array_equal(more.uv[v], place) for v, place in places.items())
     assert more.pinned.distances[210] > 0
     # No map has a pyramid's corners the other way around, and that is said.
-    corners, sides = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 0.5]], [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
+    corners = np.array([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 0.5]])
+    sides = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
     missed = abf.flatten(corners, sides, pins={0: (1, 0), 1: (0, -1), 2: (-1, 0), 3: (0, 1)})
     assert missed.certificate and not missed.certified
     assert missed.pinned is not None and not missed.pinned and missed.pinned.missed

@@ -143,7 +143,7 @@ def test_what_a_callback_raises_ends_the_call() -> None:
         abf.unwrap(*bumpy(100), progress=progress)
     mesh = bumpy(200)
     with pytest.raises(Enough):
-        abf.relax(*mesh, mesh[0][:, :2], progress=progress)
+        abf.relax(mesh[0], mesh[1], mesh[0][:, :2], progress=progress)
     assert time.process_time() - begin < 60
     assert flips(30) == 0
 
