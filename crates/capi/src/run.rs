@@ -27,7 +27,7 @@ pub(crate) fn flatten(
         let mesh = mesh(positions, triangles)?;
         let flat = pipeline.run(&mesh, &mut Relay::new(callback))?;
         let metrics = flat.metrics(&mesh)?;
-        Ok(AbfResult::of_disk(&flat, metrics))
+        Ok(AbfResult::of_disk(&mesh, &flat, metrics))
     };
     on_threads(settings.threads, &mut work)
 }

@@ -1,6 +1,6 @@
 //! A result, and what its owner sees of it.
 
-use abf::mesh::{TriMesh, VertexId};
+use abf::mesh::{TriMesh, UvMap, VertexId};
 use abf::{Flattening, Metrics, PinReport, RelaxReport, RelaxedMap, Termination, UnwrappedArrays, UnwrappedChart};
 use std::ffi::{CString, c_char};
 use std::mem::offset_of;
@@ -176,13 +176,13 @@ fn pins(report: Option<&PinReport>) -> (Vec<f64>, usize) {
 }
 
 impl AbfResult {
-    pub(crate) fn of_disk(flat: &Flattening, metrics: Metrics) -> Self {
+    pub(crate) fn of_disk(mesh: &TriMesh, flat: &Flattening, metrics: Metrics) -> Self {
         let (pins, missed) = pins(flat.pinned.as_ref());
         Self {
             energy: Energies::of(flat.relaxed.iter().map(|report| (report, 1.0))),
             pins,
             missed,
-            uv64: flat.uv.points().iter().map(|p| [p.x, p.y]).collect(),
+            uv64: per_vertex(mesh, &flat.uv),
             uv32: Vec::new(),
             remap: Vec::new(),
             indices: Vec::new(),
@@ -206,14 +206,8 @@ impl AbfResult {
     /// A map that was there, relaxed: with indices where UVs were those of corners.
     pub(crate) fn of_map(mesh: &TriMesh, map: &RelaxedMap, metrics: Metrics, is_per_corner: bool) -> Self {
         let (pins, missed) = pins(map.pinned.as_ref());
-        let faces = || mesh.faces().as_flattened().iter().zip(map.uv.corners());
-        let rows = if is_per_corner { map.uv.points().len() } else { mesh.vertex_count() };
-        let (mut uv64, mut remap) = (vec![[0.0; 2]; rows], vec![0; rows]);
-        for (vertex, id) in faces() {
-            let point = map.uv.points()[id.index()];
-            let row = if is_per_corner { id.index() } else { vertex.index() };
-            (uv64[row], remap[row]) = ([point.x, point.y], vertex.index() as u32);
-        }
+        let (uv64, remap, indices) =
+            if is_per_corner { per_corner(mesh, &map.uv) } else { (per_vertex(mesh, &map.uv), Vec::new(), Vec::new()) };
         let mut areas = vec![0.0; map.charts.len()];
         let area = |face: &[VertexId; 3]| {
             let [a, b, c] = face.map(|v| mesh.positions()[v.index()]);
@@ -224,8 +218,8 @@ impl AbfResult {
         Self {
             uv64,
             uv32: Vec::new(),
-            remap: if is_per_corner { remap } else { Vec::new() },
-            indices: if is_per_corner { faces().map(|(_, id)| id.index() as u32).collect() } else { Vec::new() },
+            remap,
+            indices,
             triangle_charts: map.chart_of_face.iter().map(|&chart| chart as u32).collect(),
             chart_pages: Vec::new(),
             charts: map.charts.len(),
@@ -333,6 +327,24 @@ impl AbfResult {
             pins_missed: self.missed,
         }
     }
+}
+
+/// One row per vertex; those of no face are at the origin.
+fn per_vertex(mesh: &TriMesh, uv: &UvMap) -> Vec<[f64; 2]> {
+    let mut rows = vec![[0.0; 2]; mesh.vertex_count()];
+    for (vertex, id) in mesh.faces().as_flattened().iter().zip(uv.corners()) {
+        let point = uv.points()[id.index()];
+        rows[vertex.index()] = [point.x, point.y];
+    }
+    rows
+}
+
+/// One row per point, the vertex of each, and the row of every corner.
+fn per_corner(mesh: &TriMesh, uv: &UvMap) -> (Vec<[f64; 2]>, Vec<u32>, Vec<u32>) {
+    let mut remap = vec![0; uv.points().len()];
+    let corners = || uv.corners().iter().map(|id| id.index());
+    corners().zip(mesh.faces().as_flattened()).for_each(|(row, vertex)| remap[row] = vertex.index() as u32);
+    (uv.points().iter().map(|p| [p.x, p.y]).collect(), remap, corners().map(|row| row as u32).collect())
 }
 
 /// Where an array begins; null where there is none.

@@ -114,6 +114,20 @@ fn a_disk_has_the_bits_of_the_library() {
 }
 
 #[test]
+fn a_vertex_of_no_face_shifts_no_uv() {
+    let (mut positions, mut indices) = sheet();
+    let plain = flatten_of(&positions, &indices, &options()).expect("a disk");
+    positions.insert(0, [9.0; 3]);
+    indices.iter_mut().for_each(|i| *i += 1);
+    let shifted = flatten_of(&positions, &indices, &options()).expect("a disk");
+    assert_eq!(shifted.view().vertex_count, positions.len());
+    let uv = uv_of(&shifted);
+    assert_eq!((uv[0], &uv[1..]), ([0.0; 2], &uv_of(&plain)[..]));
+    let relaxed = relax_of((&positions, &indices), (&uv, None), &options()).expect("a map");
+    assert_eq!((relaxed.view().vertex_count, uv_of(&relaxed)[0]), (positions.len(), [0.0; 2]));
+}
+
+#[test]
 fn every_wrong_argument_has_a_status_and_a_sentence() {
     let cube: Vec<[f64; 3]> = CUBE.iter().map(|p| p.map(f64::from)).collect();
     let wrong = |options: AbfOptions| unwrap(&options).expect_err("refused");
