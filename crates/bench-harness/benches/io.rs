@@ -9,7 +9,7 @@ use abf::{Flattening, Silent};
 use abf_shapes::Shape;
 use cpu_time::ProcessTime;
 use std::hint::black_box;
-use support::{Table, once, seconds};
+use support::{Table, Timed, once, seconds};
 
 /// About how many triangles the round bumpy disk gets.
 const TRIANGLES: usize = 1_000_000;
@@ -68,7 +68,7 @@ fn file_to_file(obj: &[u8]) {
     std::fs::write(&input, obj).expect("a writable folder");
     let mut table = Table::new(
         "file_to_file",
-        "A million triangles from file to file, median of 5 stage by stage",
+        "A million triangles from file to file, median of 5 and its standard deviation, stage by stage",
         &[
             "threads",
             "seconds of",
@@ -95,11 +95,12 @@ fn file_to_file(obj: &[u8]) {
             let topology = timed(&mut || drop(Topology::build(mesh.vertex_count(), black_box(mesh.faces()))));
             stages.iter_mut().zip([to_uvs, topology, read, judge, write]).for_each(|(all, time)| all.push(time));
         }
-        let [to_uvs, topology, read, judge, write] = stages.map(median);
+        let stages = stages.map(Timed::of);
+        let [to_uvs, _, read, judge, write] = stages.map(|stage| stage.median);
         let total = to_uvs + read + judge + write;
-        let times = [to_uvs, topology, read, judge, write, total].map(seconds);
         let head = [threads.to_string(), of.to_owned()];
-        table.push(head.into_iter().chain(times).chain([format!("{:.3}", total / to_uvs)]).collect());
+        let ends = [seconds(total), format!("{:.3}", total / to_uvs)];
+        table.push(head.into_iter().chain(stages.map(Timed::shown)).chain(ends).collect());
     };
     one_thread.install(|| measure(1, "the processor", processor_seconds));
     one_thread.install(|| measure(1, "the clock", clock_seconds));
@@ -115,11 +116,6 @@ fn processor_seconds(run: &mut dyn FnMut()) -> f64 {
 
 fn clock_seconds(run: &mut dyn FnMut()) -> f64 {
     once(run).0
-}
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_unstable_by(f64::total_cmp);
-    times[times.len() / 2]
 }
 
 fn flatten(mesh: &TriMesh) -> Flattening {

@@ -5,11 +5,13 @@ mod support;
 use abf::Silent;
 use abf_shapes::{Shape, loop_subdivide};
 use peak_alloc::PeakAlloc;
-use support::{Model, Table, fixture, models, once, seconds};
+use support::{Model, Table, Timed, fixture, models, once, seconds};
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
+/// How often each is timed.
+const RUNS: usize = 3;
 /// The sizes of the round bumpy disk.
 const DISKS: [usize; 5] = [100_000, 250_000, 600_000, 1_500_000, 4_000_000];
 /// A model is subdivided up to this many triangles.
@@ -18,11 +20,12 @@ const LARGEST: usize = 4_200_000;
 fn main() {
     let mut table = Table::new(
         "scaling",
-        "LinABF, passes until 1e-8, mesh in memory to UVs",
+        "LinABF, passes until 1e-8, mesh in memory to UVs: median of 3 runs and its standard deviation",
         &[
             "mesh",
             "triangles",
             "seconds",
+            "± s",
             "passes",
             "inner iterations",
             "µs per triangle",
@@ -52,8 +55,11 @@ fn measure(table: &mut Table, meshes: impl Iterator<Item = Model>) {
     for Model { name, mesh } in meshes {
         let before = ALLOCATOR.current_usage();
         ALLOCATOR.reset_peak_usage();
-        let (time, flat) = once(|| support::linabf().run(&mesh, &mut Silent).expect("a flattening"));
+        let run = || once(|| support::linabf().run(&mesh, &mut Silent).expect("a flattening"));
+        let (first, flat) = run();
         let peak = ALLOCATOR.peak_usage() - before;
+        let runs = Timed::of(std::iter::once(first).chain((1..RUNS).map(|_| run().0)).collect());
+        let time = runs.median;
         let (size, solution) = (mesh.face_count() as f64, flat.solution.expect("angles"));
         times.push((size.ln(), time.ln()));
         bytes.push((size.ln(), (peak as f64).ln()));
@@ -61,6 +67,7 @@ fn measure(table: &mut Table, meshes: impl Iterator<Item = Model>) {
             name,
             mesh.face_count().to_string(),
             seconds(time),
+            seconds(runs.deviation),
             format!("{} ({})", solution.iterations(), solution.termination()),
             solution.inner_iterations().to_string(),
             format!("{:.1}", time / size * 1e6),

@@ -6,7 +6,7 @@
 //! * `cli`: what was typed, and what was meant by it;
 //! * `show`: tables, advice and files;
 //! * `run`: reading meshes, flattening them, and watching that;
-//! * `commands`: flatten, `compare`, `survey`, `metrics`, `pack` and `fixtures`.
+//! * `commands`: flatten, `compare`, `survey`, `metrics`, `pack`, `sparsity` and `fixtures`.
 //!
 //! Only this crate prints and reads the clock.
 
@@ -22,7 +22,7 @@ use cli::typed::Typed;
 use commands::compare::{Comparison, compare};
 use commands::flatten::{Settings, flatten};
 use commands::survey::{Survey, survey};
-use commands::{fixtures, metrics, pack};
+use commands::{fixtures, metrics, pack, sparsity};
 use record::Outcome;
 use record::failure::Failure;
 use run::cancel;
@@ -61,6 +61,10 @@ fn run_command() -> Outcome {
         }
         Some(Command::Pack(args)) => {
             pack::pack(&pack::Settings::new(*args, typed).unwrap_or_else(|error| program::exit(error, Some("pack"))))
+        }
+        Some(Command::Sparsity(args)) => {
+            sparsity::check(&args).unwrap_or_else(|error| program::exit(error, Some("sparsity")));
+            sparsity::show(&args)
         }
         Some(Command::Fixtures(args)) => fixtures::write(args),
     }

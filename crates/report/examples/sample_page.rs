@@ -92,14 +92,26 @@ fn columns(mesh: &TriMesh, uv: &UvMap, k: usize) -> Vec<(String, Cell)> {
     let number = |value: f64, shown: String| Cell::Number { value, shown };
     let Ok(m) = abf_metrics::measure(mesh, uv) else { return Vec::new() };
     let seconds = 0.01 * mesh.face_count() as f64 / 1e3 * (1.0 + 3.0 * k as f64);
+    let count = |head: &str, n: usize| (head.to_owned(), number(n as f64, n.to_string()));
+    let time = |head: &str, s: f64| (head.to_owned(), number(s, format!("{s:.3} s")));
+    // As many columns as a comparison by the program has.
     vec![
+        ("by".to_owned(), Cell::Text("abf-fixed-target".to_owned())),
+        ("result".to_owned(), Cell::Text("max-iterations".to_owned())),
+        count("outer", 3 + k),
+        count("inner", 700 * k),
+        ("residual".to_owned(), number(1e-9, "1.0e-9".to_owned())),
+        ("worst inner".to_owned(), number(1e-9, "9.9e-9".to_owned())),
+        count("negative", 20 * k),
+        count("fallbacks", k),
         ("F/3nt".to_owned(), number(m.f, format!("{:.3e}", m.f))),
         ("L2 stretch".to_owned(), number(m.stretch_l2, format!("{:.4}", m.stretch_l2))),
         ("L∞ stretch".to_owned(), number(m.stretch_linf, format!("{:.3}", m.stretch_linf))),
-        ("passes".to_owned(), number(k as f64 + 1.0, (k + 1).to_string())),
-        ("time, s".to_owned(), number(seconds, format!("{seconds:.3}"))),
-        ("spread".to_owned(), if k == 0 { Cell::Missing } else { number(0.02, "±2 %".to_owned()) }),
-        ("layout".to_owned(), Cell::Text("least squares".to_owned())),
+        time("time", seconds),
+        time("least", 0.9 * seconds),
+        time("greatest", 1.2 * seconds),
+        ("MB".to_owned(), if k == 0 { Cell::Missing } else { number(12.0 * k as f64, (12 * k).to_string()) }),
+        ("remark".to_owned(), Cell::Text("not converged after 50 iterations: try --solver auto".to_owned())),
     ]
 }
 

@@ -6,7 +6,8 @@
 //!   that a place on one side can be found on the other.
 //! * [`svg::layout_svg`] and [`dxf::layout_dxf`] return the layout in real units, in layers for cutters and plotters.
 //! * [`page::render`] returns one self-contained HTML page about many runs on many meshes: pictures,
-//!   tables, convergence and histograms.
+//!   tables, convergence and histograms. [`plots`] returns its charts as SVG documents, and [`error_svg`] the layout coloured
+//!   by its angle errors. [`sparsity_svg`] draws where the entries of a matrix are.
 //!
 //! All pictures go through one small software renderer. `raster` decides which triangle is seen at
 //! every sample, and only then is each sample coloured, once, with what its face is painted with
@@ -21,17 +22,23 @@ mod colour;
 mod drawing;
 pub mod dxf;
 mod error;
+mod error_map;
 mod layout;
 pub mod page;
 mod panel;
 mod picture;
+mod plot;
 mod raster;
 mod scale;
 mod scene;
 mod skin;
+mod sparsity;
 mod surface;
 pub mod svg;
 
 pub use camera::View;
 pub use error::PictureError;
+pub use error_map::error_svg;
 pub use picture::{PictureStyle, picture, picture_unless};
+pub use plot::{Plot, plots};
+pub use sparsity::{SparsityPanel, sparsity_png, sparsity_svg};

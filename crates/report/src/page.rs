@@ -25,10 +25,17 @@ mod table;
 use abf_mesh::{TriMesh, UvMap};
 
 use crate::scale::ColourScale;
-use html::{Html, escape};
+pub(crate) use chart::{Figure, SIZE as CHART_SIZE};
+pub(crate) use fragment::figures;
+use html::Html;
+pub(crate) use html::escape;
+pub(crate) use number::{FINE, quantile, round, round_up, significant};
 use summary::{SummaryRow, summary};
 
-const CSS: &str = include_str!("page/assets/page.css");
+/// The style of the page; it begins with the light colours, by their names.
+pub(crate) const CSS: &str = include_str!("page/assets/page.css");
+/// The style of what is in charts.
+pub(crate) const PLOT_CSS: &str = include_str!("page/assets/plot.css");
 const SCRIPT: &str = include_str!("page/assets/page.js");
 /// Nothing may be loaded, whatever the page says.
 const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
@@ -173,11 +180,12 @@ fn head(title: &str) -> String {
             "<meta name=\"color-scheme\" content=\"light dark\">\n",
             "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n",
             "<link rel=\"icon\" href=\"data:,\">\n<title>{}</title>\n",
-            "<style>\n{}.bar{{background:linear-gradient(90deg,{})}}\n</style>\n</head>\n",
+            "<style>\n{}{}.bar{{background:linear-gradient(90deg,{})}}\n</style>\n</head>\n",
         ),
         POLICY,
         escape(title),
         CSS,
+        PLOT_CSS,
         stops.join(",")
     )
 }

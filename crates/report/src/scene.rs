@@ -78,6 +78,6 @@ impl<'a> Scene<'a> {
 }
 
 /// The largest `|x − α°|` at the corners of a face, radians.
-fn largest_angle_error(face: &FaceDistortion) -> f64 {
+pub(crate) fn largest_angle_error(face: &FaceDistortion) -> f64 {
     if face.degenerate_3d { 0.0 } else { face.angle_errors().into_iter().map(f64::abs).fold(0.0, f64::max) }
 }

@@ -81,11 +81,37 @@ pub(crate) fn forget(group: &str) {
     let _ = std::fs::remove_dir_all(target().join("criterion").join(group));
 }
 
-/// The median that Criterion measured in this run, in seconds; `None` for what the filter left out.
-pub(crate) fn median_s(group: &str, id: &str) -> Option<f64> {
+/// Seconds of several runs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Timed {
+    /// Of all runs the one in the middle.
+    pub(crate) median: f64,
+    /// The standard deviation; 0 of a single run.
+    pub(crate) deviation: f64,
+}
+
+impl Timed {
+    /// Of these runs; at least one.
+    pub(crate) fn of(mut times: Vec<f64>) -> Self {
+        times.sort_unstable_by(f64::total_cmp);
+        let mean = times.iter().sum::<f64>() / times.len() as f64;
+        let squares: f64 = times.iter().map(|t| (t - mean).powi(2)).sum();
+        let deviation = (squares / (times.len().max(2) - 1) as f64).sqrt();
+        Self { median: times[times.len() / 2], deviation }
+    }
+
+    /// Both, in a cell.
+    pub(crate) fn shown(self) -> String {
+        format!("{} ± {}", seconds(self.median), seconds(self.deviation))
+    }
+}
+
+/// What Criterion measured in this run; `None` for what the filter left out.
+pub(crate) fn measured(group: &str, id: &str) -> Option<Timed> {
     let file = target().join("criterion").join(group).join(id).join("new/estimates.json");
     let estimates: Value = serde_json::from_slice(&std::fs::read(file).ok()?).ok()?;
-    estimates["median"]["point_estimate"].as_f64().map(|nanoseconds| nanoseconds * 1e-9)
+    let seconds = |what: &str| estimates[what]["point_estimate"].as_f64().map(|nanoseconds| nanoseconds * 1e-9);
+    Some(Timed { median: seconds("median")?, deviation: seconds("std_dev")? })
 }
 
 /// One pass with unweighted least squares: LinABF as its paper ran it.

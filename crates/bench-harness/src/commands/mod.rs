@@ -5,4 +5,5 @@ pub(crate) mod fixtures;
 pub(crate) mod flatten;
 pub(crate) mod metrics;
 pub(crate) mod pack;
+pub(crate) mod sparsity;
 pub(crate) mod survey;

@@ -2,6 +2,7 @@
 
 pub(crate) mod advice;
 pub(crate) mod console;
+pub(crate) mod errors;
 pub(crate) mod files;
 pub(crate) mod history;
 pub(crate) mod table;

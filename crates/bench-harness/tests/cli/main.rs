@@ -15,6 +15,7 @@ mod models;
 mod names;
 mod packing;
 mod refusals;
+mod research;
 mod rows;
 mod sheet;
 mod solvers;

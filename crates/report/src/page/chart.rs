@@ -27,6 +27,23 @@ const MARKERS: [&str; 7] = [
     "M-4.2 1.6V-1.6H4.2V1.6Z",
 ];
 
+/// A chart with what is said of it.
+pub(crate) struct Figure {
+    /// What it shows, as a part of a file's name.
+    pub(crate) name: String,
+    /// The chart.
+    pub(crate) chart: String,
+    /// What stands below it, as markup.
+    pub(crate) caption: String,
+}
+
+impl Figure {
+    /// As it is on a page.
+    pub(crate) fn html(&self) -> String {
+        format!("<figure>{}<figcaption>{}</figcaption></figure>\n", self.chart, self.caption)
+    }
+}
+
 /// How a series looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Look(pub(crate) usize);

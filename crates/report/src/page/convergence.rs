@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::chart::{Axis, Frame, Look};
+use super::chart::{Axis, Figure, Frame, Look};
 use super::html::{Html, escape};
 use super::judge::Judgement;
 use super::number::significant;
@@ -22,6 +22,8 @@ const DECADES: i32 = 20;
 
 /// What a chart says of itself.
 struct Titles<'a> {
+    /// As a part of a file's name.
+    name: &'a str,
     /// Of both axes.
     x: &'a str,
     y: &'a str,
@@ -32,44 +34,64 @@ struct Titles<'a> {
     is_counted: bool,
 }
 
-const OUTER: Titles<'static> =
-    Titles { x: "outer iteration", y: "residual", heading: "Outer iterations", what: "residual", is_counted: true };
-const INNER: Titles<'static> =
-    Titles { x: "inner iteration", y: "residual", heading: "Inner iterations", what: "residual", is_counted: true };
+const OUTER: Titles<'static> = Titles {
+    name: "outer",
+    x: "outer iteration",
+    y: "residual",
+    heading: "Outer iterations",
+    what: "residual",
+    is_counted: true,
+};
+const INNER: Titles<'static> = Titles {
+    name: "inner",
+    x: "inner iteration",
+    y: "residual",
+    heading: "Inner iterations",
+    what: "residual",
+    is_counted: true,
+};
 const TIMED: Titles<'static> =
-    Titles { x: "seconds", y: "residual", heading: "Against time", what: "residual", is_counted: false };
+    Titles { name: "time", x: "seconds", y: "residual", heading: "Against time", what: "residual", is_counted: false };
 
 /// The residual after every outer iteration; nothing if no run has any.
-pub(crate) fn outer(judgement: &Judgement<'_>) -> String {
+pub(crate) fn outer(judgement: &Judgement<'_>) -> Option<Figure> {
     let series = collect(judgement, |k| judgement.section.runs[k].outer.clone());
     figure(&series, judgement.section.name, &OUTER)
 }
 
 /// The residual against time; nothing if no run has any.
-pub(crate) fn timed(judgement: &Judgement<'_>) -> String {
+pub(crate) fn timed(judgement: &Judgement<'_>) -> Option<Figure> {
     let series = collect(judgement, |k| judgement.section.runs[k].timed.clone());
     figure(&series, judgement.section.name, &TIMED)
 }
 
 /// Every energy against time, those of one name together; nothing if no run has any.
-pub(crate) fn energies(judgement: &Judgement<'_>) -> String {
+pub(crate) fn energies(judgement: &Judgement<'_>) -> Vec<Figure> {
     let runs = &judgement.section.runs;
     let names: BTreeSet<&str> = runs.iter().flat_map(|run| &run.energies).map(|(name, _)| name.as_str()).collect();
     let chart = |name: &str| {
         let of_run = |k: usize| runs[k].energies.iter().find(|(other, _)| other == name);
         let series = collect(judgement, |k| of_run(k).map(|(_, curve)| curve.clone()).unwrap_or_default());
         let heading = format!("The energy {name}");
-        let titles = Titles { x: "seconds", y: "energy", heading: &heading, what: "energy", is_counted: false };
+        let file = format!("energy-{}", file_part(name));
+        let (x, y) = ("seconds", "energy");
+        let titles = Titles { name: &file, x, y, heading: &heading, what: "energy", is_counted: false };
         figure(&series, judgement.section.name, &titles)
     };
-    names.into_iter().map(chart).collect()
+    names.into_iter().filter_map(chart).collect()
 }
 
 /// The residual after every inner iteration; nothing if no run has any.
-pub(crate) fn inner(judgement: &Judgement<'_>) -> String {
+pub(crate) fn inner(judgement: &Judgement<'_>) -> Option<Figure> {
     let counted = |residuals: &[f64]| residuals.iter().enumerate().map(|(k, &r)| ((k + 1) as f64, r)).collect();
     let series = collect(judgement, |k| counted(&judgement.section.runs[k].inner));
     figure(&series, judgement.section.name, &INNER)
+}
+
+/// A name with nothing in it but letters, digits, points and single dashes.
+fn file_part(name: &str) -> String {
+    let kept = |c: char| c.is_ascii_alphanumeric() || c == '.';
+    name.split(|c| !kept(c)).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("-")
 }
 
 /// The line of one run.
@@ -105,35 +127,66 @@ fn collect<'a>(judgement: &'a Judgement<'_>, points: impl Fn(usize) -> Vec<(f64,
 }
 
 /// The chart with its legend.
-fn figure(series: &[Series<'_>], mesh: &str, titles: &Titles<'_>) -> String {
+fn figure(series: &[Series<'_>], mesh: &str, titles: &Titles<'_>) -> Option<Figure> {
     if series.is_empty() {
-        return String::new();
+        return None;
     }
-    let frame = frame(series, titles.is_counted);
+    let along = Along::of(series, titles.is_counted);
+    let frame = frame(series, along);
     let mut plot = String::new();
     let mut ends = Vec::new();
     for one in series {
-        let places = thinned(one.points.iter().map(|p| place(&frame, p)).collect());
+        let places = thinned(one.points.iter().map(|p| place(&frame, along, p)).collect());
         ends.push(places[places.len() - 1]);
         plot.push_str(&drawn(one, &places));
     }
     plot.push_str(&names(series, &ends, &frame));
     let all: Vec<String> = series.iter().map(|s| format!("{} {}", s.label, s.in_words(titles))).collect();
     let Titles { x, y, heading, what, .. } = *titles;
+    let title = if matches!(along, Along::Decades(_)) { format!("{x}, logarithmic") } else { x.to_owned() };
     let description = format!("{heading} on {mesh}, last {what} and {x}: {}.", all.join("; "));
-    let mut html = Html::default();
-    html.raw("<figure>");
-    html.raw(&frame.chart(&plot, [x, y], &description));
-    html.raw(&format!(
-        "<figcaption><p>{}: {what} on a logarithmic scale.</p>\n{}</figcaption></figure>\n",
-        escape(heading),
-        legend(series, titles)
-    ));
-    html.finish()
+    let about = format!("<p>{}: {what} on a logarithmic scale.</p>\n", escape(heading));
+    Some(Figure {
+        name: titles.name.to_owned(),
+        chart: frame.chart(&plot, [&title, y], &description),
+        caption: about + &legend(series, titles),
+    })
+}
+
+/// What lies along x.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Along {
+    Counts,
+    /// Amounts from 0 on.
+    Amounts,
+    /// Exponents of amounts that are decades apart; smaller ones than this lie at its place.
+    Decades(f64),
+}
+
+impl Along {
+    fn of(series: &[Series<'_>], is_counted: bool) -> Self {
+        /// The ends of the shortest and the longest line are this far apart where a linear axis would hide the short ones.
+        const FAR: f64 = 20.0;
+        let ends = || series.iter().map(|s| s.last().0).filter(|&end| end > 0.0);
+        let (least, most) = (ends().fold(f64::INFINITY, f64::min), ends().fold(0.0, f64::max));
+        let smallest = series.iter().flat_map(|s| &s.points).map(|p| p.0).filter(|&x| x > 0.0).fold(least, f64::min);
+        match is_counted {
+            true => Self::Counts,
+            false if most > FAR * least => Self::Decades(smallest),
+            false => Self::Amounts,
+        }
+    }
+
+    fn value(self, x: f64) -> f64 {
+        match self {
+            Self::Counts | Self::Amounts => x,
+            Self::Decades(smallest) => x.max(smallest).log10(),
+        }
+    }
 }
 
 /// Axes around all points. A residual of zero, which has no logarithm, lies on the lower end.
-fn frame(series: &[Series<'_>], is_counted: bool) -> Frame {
+fn frame(series: &[Series<'_>], along: Along) -> Frame {
     let all = || series.iter().flat_map(|s| &s.points);
     let last = all().map(|p| p.0).fold(0.0, f64::max);
     let exponents = || all().filter(|p| p.1 > 0.0).map(|p| p.1.log10());
@@ -141,13 +194,17 @@ fn frame(series: &[Series<'_>], is_counted: bool) -> Frame {
     let high = if high.is_finite() { high as i32 } else { 0 };
     let low = exponents().fold(f64::INFINITY, f64::min).floor();
     let low = if low.is_finite() { (low as i32).max(high - DECADES) } else { high - 1 };
-    let x = if is_counted { Axis::counts(last) } else { Axis::amounts(last) };
+    let x = match along {
+        Along::Counts => Axis::counts(last),
+        Along::Amounts => Axis::amounts(last),
+        Along::Decades(smallest) => Axis::decades(smallest.log10().floor() as i32, last.log10().ceil() as i32),
+    };
     Frame::new(x, Axis::decades(low, high), LABELS)
 }
 
-fn place(frame: &Frame, &(iteration, residual): &(f64, f64)) -> [f64; 2] {
+fn place(frame: &Frame, along: Along, &(x, residual): &(f64, f64)) -> [f64; 2] {
     // The logarithm of zero is −∞, which the axis keeps at its lower end.
-    [frame.x.place(iteration), frame.y.place(residual.log10())]
+    [frame.x.place(along.value(x)), frame.y.place(residual.log10())]
 }
 
 /// Fewer places, if there are too many: of every run of neighbours the highest and the lowest.
@@ -253,9 +310,21 @@ mod tests {
     #[test]
     fn a_residual_of_zero_lies_on_the_lower_end() {
         let series = [Series { label: "x", look: Look(0), points: vec![(0.0, 1.0), (1.0, 1e-3), (2.0, 0.0)] }];
-        let frame = frame(&series, true);
-        let [_, y] = place(&frame, &(2.0, 0.0));
+        let frame = frame(&series, Along::Counts);
+        let [_, y] = place(&frame, Along::Counts, &(2.0, 0.0));
         assert_eq!(y, frame.vertical()[1]);
+    }
+
+    #[test]
+    fn times_that_are_decades_apart_have_a_logarithmic_axis() {
+        let line = |end: f64| Series { label: "x", look: Look(0), points: vec![(0.0, 1.0), (0.001, 0.5), (end, 0.1)] };
+        assert_eq!(Along::of(&[line(0.01), line(0.1)], false), Along::Amounts);
+        let series = [line(0.01), line(1.0)];
+        let along = Along::of(&series, false);
+        assert_eq!(along, Along::Decades(0.001));
+        let frame = frame(&series, along);
+        let x = |seconds: f64| place(&frame, along, &(seconds, 1.0))[0];
+        assert!((x(0.1) - x(0.01) - (x(1.0) - x(0.1))).abs() < 1e-9 && x(0.0) == x(0.001) && x(1.0) == frame.right());
     }
 
     #[test]

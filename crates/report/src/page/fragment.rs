@@ -1,5 +1,6 @@
 //! The part of the page about one mesh.
 
+use super::chart::Figure;
 use super::html::{Html, escape};
 use super::judge::{DIGITS, Judgement, Outcome, in_words};
 use super::number::grouped;
@@ -53,16 +54,20 @@ fn lead(judgement: &Judgement<'_>) -> String {
     format!("<p class=\"lead\">{}</p>\n", parts.join(" "))
 }
 
+/// The charts of a section, in their order.
+pub(crate) fn figures(section: &MeshSection<'_>) -> Vec<Figure> {
+    of(&Judgement::new(section))
+}
+
+fn of(judgement: &Judgement<'_>) -> Vec<Figure> {
+    let first = [convergence::outer(judgement), convergence::timed(judgement), convergence::inner(judgement)];
+    let energies = convergence::energies(judgement);
+    first.into_iter().flatten().chain(energies).chain(histogram::histogram(judgement)).collect()
+}
+
 /// Convergence and the histogram, side by side where there is room.
 fn charts(judgement: &Judgement<'_>) -> String {
-    let all = [
-        convergence::outer(judgement),
-        convergence::timed(judgement),
-        convergence::inner(judgement),
-        convergence::energies(judgement),
-        histogram::histogram(judgement),
-    ]
-    .concat();
+    let all: String = of(judgement).iter().map(Figure::html).collect();
     if all.is_empty() {
         return all;
     }

@@ -2,7 +2,7 @@
 
 use abf_metrics::{FaceDistortion, per_face};
 
-use super::chart::{Axis, Frame};
+use super::chart::{Axis, Figure, Frame};
 use super::html::escape;
 use super::judge::Judgement;
 use super::number::{FINE, quantile, round, round_up, significant};
@@ -17,12 +17,9 @@ const SHORTEST_DEG: f64 = 1e-6;
 const ROOM: f64 = 16.0;
 
 /// The histogram of the errors at all corners; nothing if there is no layout.
-pub(crate) fn histogram(judgement: &Judgement<'_>) -> String {
-    let Some(best) = judgement.best else { return String::new() };
-    let (Some(mesh), Some(uv)) = (judgement.section.mesh, judgement.section.runs[best].uv) else {
-        return String::new();
-    };
-    let Ok(faces) = per_face(mesh, uv) else { return String::new() };
+pub(crate) fn histogram(judgement: &Judgement<'_>) -> Option<Figure> {
+    let best = judgement.best?;
+    let faces = per_face(judgement.section.mesh?, judgement.section.runs[best].uv?).ok()?;
     let errors: Vec<f64> = faces
         .iter()
         .filter(|face| !face.degenerate_3d)
@@ -30,14 +27,17 @@ pub(crate) fn histogram(judgement: &Judgement<'_>) -> String {
         .map(f64::to_degrees)
         .collect();
     if errors.is_empty() {
-        return String::new();
+        return None;
     }
     let counts = Counts::of(&errors);
     let (name, label) = (judgement.section.name, &judgement.labels[best]);
     let description = format!("Histogram of the angle errors of {label} on {name}: {}.", counts.in_words());
-    let chart = counts.chart(&description);
     let caption = format!("Angle errors of {label} at all corners: {}.", counts.in_words());
-    format!("<figure>{chart}<figcaption><p>{}</p></figcaption></figure>\n", escape(&caption))
+    Some(Figure {
+        name: "histogram".to_owned(),
+        chart: counts.chart(&description),
+        caption: format!("<p>{}</p>", escape(&caption)),
+    })
 }
 
 /// Errors counted into bars.

@@ -93,13 +93,14 @@ pub(crate) fn settings(judgement: &Judgement<'_>) -> String {
     if heads.is_empty() {
         return String::new();
     }
-    let mut columns = vec![(Cow::Borrowed("Solver"), false)];
-    columns.extend(heads.iter().map(|head| (Cow::Borrowed(*head), false)));
+    // Settings downwards: there are more of them than solvers.
+    let mut columns = vec![(Cow::Borrowed("Setting"), false)];
+    columns.extend(judgement.labels.iter().map(|label| (Cow::Borrowed(label.as_str()), false)));
     let mut rows = Html::default();
-    for (label, run) in judgement.labels.iter().zip(runs) {
+    for head in &heads {
         rows.raw("<tr>");
-        rows.element("th", "scope=\"row\"", label);
-        for head in &heads {
+        rows.element("th", "scope=\"row\"", head);
+        for run in runs {
             let value = run.settings.iter().find(|(name, _)| name == head).map(|(_, value)| value);
             rows.raw(&table_cell(&value.map_or(Cell::Missing, |value| Cell::Text(value.clone())), false));
         }

@@ -20,7 +20,7 @@ pub(crate) use sheet::{ModelUnit, SheetArgs};
 use std::path::PathBuf;
 
 /// The names of the commands besides flattening.
-pub(crate) const COMMANDS: [&str; 5] = ["compare", "survey", "metrics", "pack", "fixtures"];
+pub(crate) const COMMANDS: [&str; 6] = ["compare", "survey", "metrics", "pack", "sparsity", "fixtures"];
 
 const COMPARE: &str = "\
 Every file is written anew after every mesh, so that stopping half-way keeps what is done.
@@ -85,7 +85,7 @@ impl Args {
             Some(Command::Compare(args)) => args.method.threads,
             Some(Command::Survey(args)) => args.method.threads,
             Some(Command::Pack(args)) => args.threads,
-            Some(Command::Metrics(_) | Command::Fixtures(_)) => None,
+            Some(Command::Metrics(_) | Command::Sparsity(_) | Command::Fixtures(_)) => None,
         }
     }
 }
@@ -107,6 +107,8 @@ pub(crate) enum Command {
     /// Lay out anew the UV islands that a file has, without flattening
     #[command(after_help = PACK)]
     Pack(Box<PackArgs>),
+    /// Count and draw the entries of the KKT matrix of a disk, with the product wheel and with the log wheel
+    Sparsity(SparsityArgs),
     /// Write the fixture meshes, or one shape of any size
     Fixtures(FixturesArgs),
 }
@@ -142,6 +144,10 @@ pub(crate) struct FlattenArgs {
     /// Draw the checkered surface next to its layout
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]
     pub(crate) png: Option<PathBuf>,
+    /// Write the errors of every triangle and of its corners: csv (rows), ply (properties of faces) or svg (the layout,
+    /// coloured)
+    #[arg(long, value_name = "FILE", help_heading = "Outputs", hide_short_help = true)]
+    pub(crate) errors: Option<PathBuf>,
     /// Draw all charts side by side in millimetres (--unit says what a unit of the mesh is), outline and edges in layers
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]
     pub(crate) svg: Option<PathBuf>,
@@ -186,6 +192,9 @@ pub(crate) struct CompareArgs {
     /// Write a page with pictures, curves and tables: one HTML file that needs nothing else
     #[arg(long, value_name = "FILE", help_heading = "Outputs")]
     pub(crate) report: Option<PathBuf>,
+    /// Write every chart of the page as an SVG file of its own into DIR
+    #[arg(long, value_name = "DIR", help_heading = "Outputs")]
+    pub(crate) plots: Option<PathBuf>,
     /// Which results of a mesh the page names the lowest F of: valid ones, or injective ones, which do not overlap
     /// themselves either
     #[arg(
@@ -258,6 +267,19 @@ pub(crate) struct MetricsArgs {
     /// Write the results as JSON; with - to stdout, and the table goes to stderr
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
+}
+
+/// The arguments of `sparsity`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct SparsityArgs {
+    #[arg(value_name = "MESH", help = format!("A disk: {}", read("or")))]
+    pub(crate) mesh: PathBuf,
+    /// Draw both matrices side by side, a pixel dark where one of its entries is
+    #[arg(long, value_name = "FILE")]
+    pub(crate) png: Option<PathBuf>,
+    /// Draw both with their numbers of entries
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
 }
 
 /// The arguments of `fixtures`.

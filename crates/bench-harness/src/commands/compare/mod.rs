@@ -7,6 +7,7 @@ mod baseline;
 mod one;
 mod outputs;
 mod page;
+mod plots;
 mod repeat;
 mod settings;
 

@@ -1,7 +1,8 @@
 //! What a comparison shows and writes.
 
 use super::one::Compared;
-use super::page::Report;
+use super::page::{self, Report};
+use super::plots::Plots;
 use super::settings::Comparison;
 use crate::cli::targets::JsonTarget;
 use crate::record::failure::Failure;
@@ -16,13 +17,15 @@ pub(super) struct Outputs<'a> {
     records: Vec<Record>,
     histories: Vec<History>,
     report: Option<Report>,
+    plots: Option<Plots>,
 }
 
 impl<'a> Outputs<'a> {
     /// Outputs without results.
     pub(super) fn new(comparison: &'a Comparison) -> Self {
-        let report = comparison.report.clone().map(|path| Report::new(path, comparison.lowest));
-        Self { comparison, records: Vec::new(), histories: Vec::new(), report }
+        let report = comparison.report.clone().map(Report::new);
+        let plots = comparison.plots.clone().map(Plots::into);
+        Self { comparison, records: Vec::new(), histories: Vec::new(), report, plots }
     }
 
     /// Shows the table of a mesh and writes every file anew with all that is finished.
@@ -37,8 +40,12 @@ impl<'a> Outputs<'a> {
         if self.comparison.history.is_some() {
             self.histories.extend(mesh.runs.iter().filter_map(|run| run.history.clone()));
         }
+        let section = page::section(mesh, self.comparison.lowest);
         if let Some(report) = &mut self.report {
-            report.add(&mesh.name, mesh.loaded.as_ref(), &mesh.runs);
+            report.add(&section);
+        }
+        if let Some(plots) = &mut self.plots {
+            plots.add(&section)?;
         }
         self.write()
     }

@@ -1,5 +1,6 @@
 //! The page of a comparison: one HTML file with pictures, curves and tables.
 
+use super::one::Compared;
 use crate::cli::args::Lowest;
 use crate::record::failure::Failure;
 use crate::record::history::History;
@@ -20,22 +21,18 @@ const NO_SOLVER: &str = "none";
 pub(super) struct Report {
     path: PathBuf,
     machine: Vec<(String, String)>,
-    lowest: Lowest,
     meshes: Vec<MeshFragment>,
 }
 
 impl Report {
     /// A page without meshes.
-    pub(super) fn new(path: PathBuf, lowest: Lowest) -> Self {
-        Self { path, machine: machine(), lowest, meshes: Vec::new() }
+    pub(super) fn new(path: PathBuf) -> Self {
+        Self { path, machine: machine(), meshes: Vec::new() }
     }
 
-    /// Adds a mesh with its results; a mesh that could not be read has none.
-    pub(super) fn add(&mut self, name: &str, loaded: Option<&Loaded>, runs: &[Flattened]) {
-        let runs = runs.iter().map(row).collect();
-        let injective_only = self.lowest == Lowest::Injective;
-        let section = MeshSection { name, mesh: loaded.map(Loaded::mesh), runs, injective_only };
-        self.meshes.push(MeshFragment::render(&section));
+    /// Adds a mesh with its results.
+    pub(super) fn add(&mut self, section: &MeshSection<'_>) {
+        self.meshes.push(MeshFragment::render(section));
     }
 
     /// Writes the page with what there is.
@@ -44,6 +41,16 @@ impl Report {
     /// When the file cannot be written.
     pub(super) fn write(&self) -> Result<(), Failure> {
         files::replace(&self.path, assemble(TITLE, &self.machine, &self.meshes).as_bytes())
+    }
+}
+
+/// What a page says of a mesh with its results; a mesh that could not be read has none.
+pub(super) fn section(mesh: &Compared, lowest: Lowest) -> MeshSection<'_> {
+    MeshSection {
+        name: &mesh.name,
+        mesh: mesh.loaded.as_ref().map(Loaded::mesh),
+        runs: mesh.runs.iter().map(row).collect(),
+        injective_only: lowest == Lowest::Injective,
     }
 }
 

@@ -30,6 +30,8 @@ pub(crate) struct Comparison {
     pub(super) history: Option<JsonTarget>,
     /// Where the page goes.
     pub(super) report: Option<PathBuf>,
+    /// The folder that charts go to.
+    pub(super) plots: Option<PathBuf>,
     /// Which results the lowest F is looked for among.
     pub(super) lowest: Lowest,
     /// What hints may name.
@@ -67,7 +69,7 @@ impl Comparison {
         // A baseline that is replaced row by row would be lost when the comparison is stopped.
         let inputs: Vec<PathBuf> = args.meshes.iter().chain(&args.baseline).cloned().collect();
         check_distinct(&targets, &inputs)?;
-        let with_history = history.is_some() || args.report.is_some();
+        let with_history = history.is_some() || args.report.is_some() || args.plots.is_some();
         Ok(Self {
             meshes: args.meshes,
             methods,
@@ -77,6 +79,7 @@ impl Comparison {
             markdown,
             csv,
             history,
+            plots: args.plots,
             lowest: args.lowest,
             report: args.report,
             typed,

@@ -9,6 +9,7 @@ use crate::cli::targets::{JsonTarget, check_distinct, check_extension, check_is_
 use crate::cli::typed::Typed;
 use crate::run::Wanted;
 use crate::run::source::Source;
+use crate::show::errors::ErrorFormat;
 use abf_mesh::io::MeshFormat;
 use std::path::{Path, PathBuf};
 
@@ -27,6 +28,8 @@ pub(crate) struct Settings {
     pub(crate) output: Option<PathBuf>,
     /// Where the picture goes.
     pub(crate) png: Option<PathBuf>,
+    /// Where the errors of every triangle go.
+    pub(crate) errors: Option<PathBuf>,
     /// Where to draw the layout in real units.
     pub(crate) svg: Option<PathBuf>,
     /// The same for CAD programs.
@@ -51,7 +54,7 @@ impl Settings {
             [] => vec![Source::Builtin],
             meshes => meshes.iter().cloned().map(Source::File).collect(),
         };
-        let (output, png, svg, dxf) = (args.output, args.png, args.svg, args.dxf);
+        let (output, png, svg, dxf, errors) = (args.output, args.png, args.svg, args.dxf, args.errors);
         let sheet = Sheet::new(&args.sheet, &args.charts, args.method.normalize, svg.is_some() || dxf.is_some())?;
         let charting = Charting::new(args.charts, &args.meshes, output.as_deref())?;
         let (history, json) = (JsonTarget::new(args.history), JsonTarget::new(args.json));
@@ -59,6 +62,7 @@ impl Settings {
         let singles = [
             ("--output", &output),
             ("--png", &png),
+            ("--errors", &errors),
             ("--svg", &svg),
             ("--dxf", &dxf),
             ("--seam-lines", seam_lines),
@@ -75,6 +79,7 @@ impl Settings {
         let targets = [
             ("--output", output.as_deref()),
             ("--png", png.as_deref()),
+            ("--errors", errors.as_deref()),
             ("--svg", svg.as_deref()),
             ("--dxf", dxf.as_deref()),
             ("--seam-lines", seam_lines.as_deref()),
@@ -89,17 +94,21 @@ impl Settings {
                 check_extension(option, path, &[extension])?;
             }
         }
+        if let Some(path) = &errors {
+            check_extension("--errors", path, &ErrorFormat::ENDINGS)?;
+        }
         args.meshes.iter().try_for_each(|mesh| check_is_no_command(mesh))?;
-        Ok(Self { sources, methods, charting, sheet, output, png, svg, dxf, json, history, typed })
+        Ok(Self { sources, methods, charting, sheet, output, png, errors, svg, dxf, json, history, typed })
     }
 
     /// The files that will be written.
-    pub(crate) fn files(&self) -> [Option<&Path>; 8] {
+    pub(crate) fn files(&self) -> [Option<&Path>; 9] {
         let [json, history] = [&self.json, &self.history].map(|target| target.as_ref().and_then(JsonTarget::file));
         let (seams, remap) = (self.charting.seam_lines.as_deref(), self.charting.remap.as_deref());
         [
             self.output.as_deref(),
             self.png.as_deref(),
+            self.errors.as_deref(),
             self.svg.as_deref(),
             self.dxf.as_deref(),
             json,

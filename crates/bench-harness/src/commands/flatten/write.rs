@@ -8,13 +8,15 @@ use crate::run::cancel::Cancel;
 use crate::run::judge::Judging;
 use crate::run::load::Loaded;
 use crate::run::write::{How, write};
+use crate::show::errors::{self, ErrorFormat};
 use crate::show::{advice, console, files};
-use abf::{Developed, Precision};
+use abf::metrics::per_face;
+use abf::{Atlas, Developed, Precision};
 use abf_mesh::io::GltfTexcoords;
 use abf_mesh::{TriMesh, UvMap, VertexId};
 use abf_report::dxf::{DxfStyle, layout_dxf};
 use abf_report::svg::{SvgStyle, layout_svg};
-use abf_report::{PictureError, PictureStyle, picture_unless};
+use abf_report::{PictureError, PictureStyle, error_svg, picture_unless};
 use std::path::Path;
 use std::time::Instant;
 
@@ -66,6 +68,7 @@ pub(super) fn write_files(
     let one_page = |path: &Path| if pages == 1 { Ok(()) } else { Err(Failure::several_pages(path, pages)) };
     let placed = loaded.placed();
     let png = settings.png.as_deref().map(|path| (path, one_page(path).and_then(|()| draw(path, placed, uv, cancel))));
+    let errors = settings.errors.as_deref().map(|path| (path, write_errors(path, loaded, uv, page)));
     let (folds, mm_per_uv) =
         settings.sheet.as_ref().map_or((None, 1.0), |sheet| (sheet.folds, sheet.mm_per_unit(loaded.is_gltf())));
     let svg = settings.svg.as_deref().zip(sheet).map(|(path, sheet)| {
@@ -81,7 +84,7 @@ pub(super) fn write_files(
     let remap = charting.remap.as_deref().zip(remap);
     let remap = remap.map(|(path, json)| (path, files::replace(path, json.as_bytes())));
     let mut end = Ok(());
-    for (path, result) in [written, png, svg, dxf, lines, remap].into_iter().flatten() {
+    for (path, result) in [written, png, errors, svg, dxf, lines, remap].into_iter().flatten() {
         match (result, &end) {
             (Ok(()), _) => record.written.push(path.display().to_string()),
             (Err(failure), Ok(())) => end = Err(failure),
@@ -98,6 +101,17 @@ fn draw(path: &Path, mesh: &TriMesh, uv: &UvMap, cancel: &Cancel) -> Result<(), 
     };
     let png = picture_unless(mesh, uv, &PictureStyle::default(), &mut cancel.since_now()).map_err(failed)?;
     files::replace(path, &png)
+}
+
+/// Errors are measured on the surface as large as in its scene, and in texels where a page is no square.
+fn write_errors(path: &Path, loaded: &Loaded, uv: &UvMap, page: Option<[u32; 2]>) -> Result<(), Failure> {
+    let uv = Atlas::in_proportions(uv, page.unwrap_or([1; 2]));
+    let faces = || per_face(loaded.sized(), &uv).map_err(|error| Failure::metrics(&loaded.name, &error));
+    match path.extension().and_then(|ending| ending.to_str()).and_then(ErrorFormat::of) {
+        Some(ErrorFormat::Svg) => replace(path, error_svg(loaded.sized(), &uv)),
+        Some(ErrorFormat::Ply) => files::replace(path, &errors::to_ply(loaded.placed(), &faces()?)),
+        Some(ErrorFormat::Csv) | None => files::replace(path, errors::to_csv(loaded.placed(), &faces()?).as_bytes()),
+    }
 }
 
 fn replace(path: &Path, drawing: Result<String, PictureError>) -> Result<(), Failure> {
