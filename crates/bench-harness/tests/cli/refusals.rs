@@ -208,7 +208,7 @@ fn pictures_of_another_format_are_refused() {
 fn a_mistyped_command_is_hinted_at() {
     assert_usage_error(&run(["metric", "a.obj"]), "no command 'metric': did you mean 'metrics'?");
     assert_usage_error(&run(["a.obj", "comapre"]), "did you mean 'compare'?");
-    assert_usage_error(&run(["frobnicate"]), "the commands are compare, survey, metrics, pack, fixtures");
+    assert_usage_error(&run(["frobnicate"]), "the commands are compare, survey, metrics, pack, sparsity, fixtures");
     // With an extension or a folder it is a file that is not there.
     assert_eq!(refusal(Path::new("metric.obj")).0, "not-found");
 }
