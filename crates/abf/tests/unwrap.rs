@@ -244,6 +244,45 @@ fn forbidden_edges_are_no_seams() {
     assert!(!unwrapped.seams.iter().any(is_diagonal));
 }
 
+/// A flat ramp, `turns` times around in `steps` quads each, four wide: a map of it lies over itself.
+fn ramp(turns: usize, steps: usize) -> TriMesh {
+    let point = |i: usize, j: usize| {
+        let (s, c) = (TAU * i as f64 / steps as f64).sin_cos();
+        let r = 1.0 + j as f64;
+        [r * c, r * s, 0.1 * i as f64 / steps as f64]
+    };
+    let rows = turns * steps;
+    let points: Vec<_> = (0..=rows).flat_map(|i| (0..5).map(move |j| point(i, j))).collect();
+    let at = |i: usize, j: usize| 5 * i + j;
+    let square = |(i, j)| [[at(i, j), at(i, j + 1), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i + 1, j)]];
+    mesh(&points, &(0..rows).flat_map(|i| (0..4).map(move |j| (i, j))).flat_map(square).collect::<Vec<_>>())
+}
+
+#[test]
+fn polygons_stay_whole_where_a_chart_that_lies_over_itself_is_taken_apart() {
+    for (turns, steps) in [(2, 24), (3, 16), (2, 9)] {
+        let mesh = ramp(turns, steps);
+        let triangles: Vec<_> = mesh.faces().iter().map(|face| face.map(|v| v.index() as u32)).collect();
+        // Quads; then every row is one polygon.
+        for of_polygon in [2, 8] {
+            let polygons: Vec<u32> = (0..triangles.len() as u32).map(|f| f / of_polygon).collect();
+            let inside = SurfaceHints::corners_inside(&triangles, &polygons);
+            let hints = SurfaceHints { forbidden: Some(&inside), ..SurfaceHints::default() };
+            let settings = Unwrap { cut_disks: true, ..Unwrap::default() };
+            let unwrapped = settings.run(&mesh, &hints, &mut Silent).expect("charts");
+            check(&unwrapped, &mesh);
+            assert!(unwrapped.charts.len() > 1 && unwrapped.charts.iter().all(|chart| chart.metrics.injective()));
+            for (polygon, chart) in
+                unwrapped.charts.iter().flat_map(|chart| chart.faces.iter().map(move |f| (f, chart)))
+            {
+                let first = polygon.index() / of_polygon as usize * of_polygon as usize;
+                let is_in = |f: usize| chart.faces.binary_search(&FaceId::new(f)).is_ok();
+                assert!((first..first + of_polygon as usize).all(is_in), "{turns} turns, a polygon of {of_polygon}");
+            }
+        }
+    }
+}
+
 #[test]
 fn what_does_not_fit_is_named() {
     let mesh = ball();

@@ -7,6 +7,7 @@ use abf_mesh::{DisjointSets, Topology, VertexId};
 
 /// The cheapest ways from the vertices of a surface to its seam, kept while the seam grows: what is far from where it grows
 /// is not looked at again.
+#[derive(Clone)]
 pub struct SeamWays {
     tree: ShortestPathTree,
 }

@@ -37,6 +37,7 @@ mod repair;
 mod seams;
 #[cfg(test)]
 mod test_support;
+mod walks;
 mod weld;
 
 pub use borders::{label_borders, uv_borders};
@@ -53,4 +54,5 @@ pub use repair::{
     repair_with,
 };
 pub use seams::Seams;
+pub use walks::FaceWalks;
 pub use weld::{Weld, Welded, weld, weld_asking, weld_within};

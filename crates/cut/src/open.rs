@@ -44,8 +44,10 @@ fn slit(topology: &Topology, costs: &EdgeCosts) -> Seams {
     let tree = from(one);
     let other = tree.farthest().unwrap_or(one);
     tree.trace(topology, other).for_each(|edge| seams.insert(topology, edge));
-    // Two edges are the least that open anything.
-    for (edge, _) in edges_at(topology, one) {
+    // Two edges are the least that open anything; those that cost everything come last.
+    let is_finite = |edge: &CornerId| costs.of(*edge).is_finite();
+    let (finite, rest): (Vec<_>, Vec<_>) = edges_at(topology, one).map(|(edge, _)| edge).partition(is_finite);
+    for edge in finite.into_iter().chain(rest) {
         if seams.len() < 2 {
             seams.insert(topology, edge);
         }

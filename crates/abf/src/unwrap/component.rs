@@ -86,7 +86,7 @@ impl<'o> Component<'_, 'o> {
     }
 
     /// Whether an edge of the component may not be a seam, seen from either side.
-    fn may_not_cut(&self, topology: &Topology, c: CornerId) -> bool {
+    pub(super) fn may_not_cut(&self, topology: &Topology, c: CornerId) -> bool {
         (self.is_forbidden)(c) || topology.opposite(c).is_some_and(self.is_forbidden)
     }
 

@@ -25,6 +25,16 @@ const FLAT: f64 = 1.001;
 /// A map that misses the aim makes what is to be foreseen smaller, above 1: by no more than this factor.
 const LEAST_FACTOR: f64 = 0.5;
 
+/// One more cut is worth a longer seam where it brings what is foreseen, above 1, below this part of it.
+const WORTH_A_CUT: f64 = 0.4;
+
+/// Where what is foreseen is above this part of the aim, above 1, a map may well miss it: it comes out up to 1.3 times as bad.
+const DOUBTFUL: f64 = 0.7;
+
+/// Where that is so, one more cut is worth it, too, if it takes off so many times as large a part of what is foreseen, above 1,
+/// as it makes the seam longer by.
+const GAIN: f64 = 3.0;
+
 /// Angles that are foreseen are refined by so many steps at most.
 const STEPS: usize = 2;
 
@@ -122,6 +132,31 @@ impl Foresight {
             self.log_scale = Some(system.refined((mesh, topology), seams, u, STEPS, checkpoint)?);
         }
         Ok(())
+    }
+
+    /// Whether a map of what was looked at last may well miss the aim.
+    pub(super) fn is_doubtful(&self) -> bool {
+        self.l2.is_some_and(|l2| l2 - 1.0 > DOUBTFUL * (self.max_stretch - 1.0))
+    }
+
+    /// Whether the surface that was looked at last has so much less stretch now that seams so many times as long are worth it.
+    /// Otherwise what was foreseen before stays.
+    pub(super) fn pays(
+        &mut self,
+        surface: &Surface,
+        longer: f64,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<bool, Cancelled> {
+        let is_doubtful = self.is_doubtful();
+        let before = (self.l2, self.log_scale.clone());
+        self.stretch(surface, checkpoint)?;
+        let left = self.l2.zip(before.0).map(|(after, before)| (after - 1.0) / (before - 1.0));
+        let pays = |left: f64| left < WORTH_A_CUT || (is_doubtful && 1.0 - left > GAIN * (longer - 1.0));
+        let pays = left.is_some_and(pays);
+        if !pays {
+            (self.l2, self.log_scale) = before;
+        }
+        Ok(pays)
     }
 
     /// What was looked at last has a map with this stretch.

@@ -3,18 +3,19 @@
 use super::finish::{Finished, excerpt};
 use crate::FlattenError;
 use abf_control::Checkpoint;
-use abf_cut::Chart;
-use abf_mesh::{FaceId, TriMesh, UvId, UvMap, Vector2};
-use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use abf_cut::{Chart, FaceWalks};
+use abf_mesh::{CornerId, FaceId, TriMesh, UvId, UvMap, Vector2};
+use std::collections::HashMap;
 
 /// Parts of a valid map of a piece none of which lies over itself.
 ///
 /// Of two faces that lie over each other each gets the faces that are nearer to it in the plane, walking from face to
-/// face. Both parts are connected, and disks if the chart is one. UVs stay but for the scale.
+/// face. Both parts are connected, and disks if the chart is one. UVs stay but for the scale. `may_not_cut` says of the corners
+/// of the component which edges they face are inside of a polygon: it goes to one side, unless it lies over itself.
 pub(super) fn take_apart(
     piece: &Chart,
     whole: Finished,
+    may_not_cut: &dyn Fn(CornerId) -> bool,
     checkpoint: &mut Checkpoint<'_>,
 ) -> Result<Vec<Finished>, FlattenError> {
     let all: Vec<FaceId> = (0..whole.uv.corners().len() / 3).map(FaceId::new).collect();
@@ -31,7 +32,8 @@ pub(super) fn take_apart(
             }
         };
         checkpoint()?;
-        let is_others = nearer_to_the_other(&chart.uv, one, other);
+        let walks = walks(&chart.uv, |f, k| may_not_cut(chart.faces[f].corner(k)));
+        let is_others = walks.nearer_to_second(one.index(), other.index(), checkpoint)?;
         for side in [true, false] {
             let places: Vec<usize> = (0..in_mesh.len()).filter(|&f| is_others[f] == side).collect();
             if places.is_empty() {
@@ -62,33 +64,12 @@ pub(super) fn part_of(
     Ok(Finished { faces, uv, metrics, rungs: chart.rungs.clone(), ..chart.clone() })
 }
 
-/// For every face whether it is nearer to `other` than to `one`: shortest ways from middle to middle of neighbours.
-fn nearer_to_the_other(uv: &UvMap, one: FaceId, other: FaceId) -> Vec<bool> {
-    let neighbours = neighbours(uv);
+/// The walks from face to face in the plane, from middle to middle; `stays` says across which sides faces stay together.
+fn walks(uv: &UvMap, stays: impl Fn(usize, usize) -> bool) -> FaceWalks {
     let middle = |f: usize| uv.triangle(FaceId::new(f)).iter().fold(Vector2::zeros(), |sum, p| sum + p.coords);
-    let mut distance = vec![f64::INFINITY; neighbours.len()];
-    let mut is_others = vec![false; neighbours.len()];
-    let mut heap = BinaryHeap::new();
-    for (face, is_other) in [(one, false), (other, true)] {
-        distance[face.index()] = 0.0;
-        is_others[face.index()] = is_other;
-        heap.push(Reverse((0_u64, face.index())));
-    }
-    while let Some(Reverse((key, f))) = heap.pop() {
-        let here = f64::from_bits(key);
-        if here > distance[f] {
-            continue;
-        }
-        for g in neighbours[f].into_iter().flatten() {
-            let there = here + (middle(g) - middle(f)).norm();
-            if there < distance[g] {
-                distance[g] = there;
-                is_others[g] = is_others[f];
-                heap.push(Reverse((there.to_bits(), g)));
-            }
-        }
-    }
-    is_others
+    let with_length = |f: usize, g: usize| (g, (middle(g) - middle(f)).norm());
+    let beyond = neighbours(uv).into_iter().enumerate();
+    FaceWalks::new(beyond.map(|(f, sides)| sides.map(|g| g.map(|g| with_length(f, g)))).collect(), stays)
 }
 
 /// For every face the faces that share two UV points with it.

@@ -5,7 +5,7 @@ use super::finish::{Finished, finish};
 use super::foresight::{Foresight, Progress};
 use super::overlap::take_apart;
 use super::scout::Scouted;
-use super::stretch::Stretch;
+use super::stretch::{Peaks, Stretch};
 use super::surface::Surface;
 use super::{HoleRule, Unwrap};
 use crate::run::Prospect;
@@ -135,11 +135,17 @@ impl Component<'_, '_> {
 
     /// A valid map with little stretch that lies over itself, in parts that do not.
     fn taken_apart(&self, piece: &Chart, whole: Finished) -> Result<Attempt, FlattenError> {
-        let parts = take_apart(piece, whole, &mut || self.go_on())?;
+        let parts = self.apart(piece, whole)?;
         let (done, more): (Vec<Finished>, Vec<Finished>) = parts.into_iter().partition(|part| self.fits(part));
         let more: Vec<_> = more.into_iter().map(|part| part.faces).collect();
         let more = if more.is_empty() { Vec::new() } else { parts_of_faces(piece, &more)? };
         Ok(Attempt::Done(done, more))
+    }
+
+    /// A map that lies over itself, in parts.
+    fn apart(&self, piece: &Chart, whole: Finished) -> Result<Vec<Finished>, FlattenError> {
+        let may_not_cut = |c| self.may_not_cut(&self.part.topology, c);
+        take_apart(piece, whole, &may_not_cut, &mut || self.go_on())
     }
 
     /// Faces by their numbers in the component.
@@ -276,7 +282,7 @@ impl Component<'_, '_> {
     /// A chart whose seams are as long as they may be is kept whatever its stretch.
     fn taken_apart_if_over(&self, piece: &Chart, whole: Finished) -> Result<Attempt, FlattenError> {
         if self.settings.part_overlaps && !whole.metrics.injective() {
-            let parts = take_apart(piece, whole, &mut || self.go_on())?;
+            let parts = self.apart(piece, whole)?;
             return Ok(Attempt::Done(parts, Vec::new()));
         }
         Ok(Attempt::Done(vec![whole], Vec::new()))
@@ -321,11 +327,11 @@ impl Component<'_, '_> {
     /// Joins the places of largest stretch to the seam; `false` when there is nothing to join.
     pub(super) fn cut_further(&self, surface: &mut Surface, stretch: &Stretch) -> bool {
         let peaks = self.peaks(surface, stretch);
-        surface.extend(&peaks) > 0
+        surface.extend(&peaks.vertices) > 0
     }
 
     /// The places of largest stretch that are not on the seam.
-    pub(super) fn peaks(&self, surface: &Surface, stretch: &Stretch) -> Vec<VertexId> {
+    pub(super) fn peaks(&self, surface: &Surface, stretch: &Stretch) -> Peaks {
         let Unwrap { terminals, spacing, reach, .. } = *self.settings;
         let may_be = |v: VertexId| surface.way(v) > reach * surface.diagonal && surface.way(v).is_finite();
         stretch.peaks(&surface.mesh, terminals, spacing * surface.diagonal, may_be)

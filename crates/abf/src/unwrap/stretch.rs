@@ -25,6 +25,14 @@ pub(super) struct Stretch {
     excess: Vec<f64>,
 }
 
+/// Where the stretch is.
+pub(super) struct Peaks {
+    /// The one worth most first.
+    pub(super) vertices: Vec<VertexId>,
+    /// The part of all stretch that they are worth; NaN where there is none.
+    pub(super) share: f64,
+}
+
 /// A real face that has an area.
 struct Face {
     /// Its vertices on the surface that the chart was cut from.
@@ -94,13 +102,7 @@ impl Stretch {
     /// Peaks are taken in the order of their stretch, `apart` from each other, among the vertices that `may_be` one. What
     /// a peak is worth is the excess of the vertices it keeps from being peaks: a spike of a few small faces is worth
     /// little, however high it is.
-    pub(super) fn peaks(
-        &self,
-        mesh: &TriMesh,
-        count: usize,
-        apart: f64,
-        may_be: impl Fn(VertexId) -> bool,
-    ) -> Vec<VertexId> {
+    pub(super) fn peaks(&self, mesh: &TriMesh, count: usize, apart: f64, may_be: impl Fn(VertexId) -> bool) -> Peaks {
         let mut order: Vec<usize> = (0..self.at_vertex.len()).filter(|&v| self.at_vertex[v] > 1.0).collect();
         order.sort_unstable_by(|&a, &b| self.at_vertex[b].total_cmp(&self.at_vertex[a]).then(a.cmp(&b)));
         let mut peaks: Vec<(Point3<f64>, VertexId, f64)> = Vec::new();
@@ -114,6 +116,8 @@ impl Stretch {
             }
         }
         peaks.sort_by(|a, b| b.2.total_cmp(&a.2));
-        peaks.into_iter().take(count).map(|(_, v, _)| v).collect()
+        peaks.truncate(count);
+        let share = peaks.iter().map(|(_, _, worth)| worth).sum::<f64>() / self.excess.iter().sum::<f64>();
+        Peaks { vertices: peaks.into_iter().map(|(_, v, _)| v).collect(), share }
     }
 }

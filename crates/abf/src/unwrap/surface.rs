@@ -18,6 +18,12 @@ pub(super) struct Surface {
     holes: Vec<BoundaryLoop>,
 }
 
+/// Seams, and the ways to them.
+pub(super) struct Growth {
+    seams: Seams,
+    ways: SeamWays,
+}
+
 impl Surface {
     /// Closes the holes of a piece, if that is asked for, and opens the rest. `costs` are asked for the closed surface, of
     /// which so many faces are real.
@@ -48,6 +54,15 @@ impl Surface {
     pub(super) fn extend(&mut self, terminals: &[VertexId]) -> usize {
         let Self { topology, costs, seams, ways, .. } = self;
         ways.extend(topology, costs, seams, terminals)
+    }
+
+    /// How far the seams have grown, to come back to by [`back_to`](Self::back_to) as long as no cap was taken away.
+    pub(super) fn growth(&self) -> Growth {
+        Growth { seams: self.seams.clone(), ways: self.ways.clone() }
+    }
+
+    pub(super) fn back_to(&mut self, Growth { seams, ways }: Growth) {
+        (self.seams, self.ways) = (seams, ways);
     }
 
     pub(super) fn holes_filled(&self) -> usize {
