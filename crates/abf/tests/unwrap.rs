@@ -244,6 +244,30 @@ fn forbidden_edges_are_no_seams() {
     assert!(!unwrapped.seams.iter().any(is_diagonal));
 }
 
+/// A ball of 2048 faces, with limbs so many radii long along three axes.
+fn with_limbs(lengths: [f64; 3]) -> TriMesh {
+    let ball = loop_subdivide(&ball());
+    let moved = |p: &Point3<f64>| {
+        let n = p.coords.normalize();
+        let limb = |(axis, length): (usize, f64)| length * (-(n[axis].clamp(-1.0, 1.0).acos() / 0.45).powi(2)).exp();
+        let r = 1.0 + lengths.into_iter().enumerate().map(limb).sum::<f64>();
+        [r * n.x, r * n.y, r * n.z]
+    };
+    mesh(&ball.positions().iter().map(moved).collect::<Vec<_>>(), &indices(&ball))
+}
+
+#[test]
+fn a_seam_that_meets_the_aim_grows_by_one_cut_that_takes_most_of_the_stretch_away() {
+    for lengths in [[3.0, 2.0, 1.0], [3.2, 2.1, 1.0], [3.0, 2.0, 0.8]] {
+        let unwrapped = unwrap(&with_limbs(lengths));
+        assert_eq!(unwrapped.charts.len(), 1);
+        // Before that cut it is 1.13, and the seam 1.7 diagonals long.
+        let l2 = unwrapped.charts[0].metrics.stretch_l2;
+        assert!(l2 < 1.06, "{lengths:?}: {l2}");
+        assert!(unwrapped.seam_length < 2.4 * unwrapped.diagonal, "{}", unwrapped.seam_length / unwrapped.diagonal);
+    }
+}
+
 /// A flat ramp, `turns` times around in `steps` quads each, four wide: a map of it lies over itself.
 fn ramp(turns: usize, steps: usize) -> TriMesh {
     let point = |i: usize, j: usize| {

@@ -46,13 +46,9 @@ impl Component<'_, '_> {
                 return Ok(Scouted::Unknown(cuts));
             };
             if stretch.l2 <= foresight.worth_trying {
-                if self.cut_once_more(surface, &stretch, foresight)? {
+                // A cut that reached a rim would make another surface of it.
+                if surface.holes_filled() == 0 && self.cut_once_more(surface, &stretch, foresight)? {
                     cuts += 1;
-                    let holes = surface.holes_filled();
-                    self.release_caps(piece, filling, surface)?;
-                    if surface.holes_filled() != holes {
-                        foresight.stretch(surface, &mut || self.go_on())?;
-                    }
                 }
                 break;
             }

@@ -56,7 +56,7 @@ impl Surface {
         ways.extend(topology, costs, seams, terminals)
     }
 
-    /// How far the seams have grown, to come back to by [`back_to`](Self::back_to) as long as no cap was taken away.
+    /// How far the seams have grown, to come [`back_to`](Self::back_to) as long as no cap was taken away.
     pub(super) fn growth(&self) -> Growth {
         Growth { seams: self.seams.clone(), ways: self.ways.clone() }
     }
