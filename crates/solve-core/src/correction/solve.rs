@@ -1,6 +1,6 @@
 //! Conjugate gradients on the wheel multipliers, until the true residual meets the target.
 
-use super::{COST_OF_FACTOR, LeastCorrection, Linearisation, REFACTOR_AFTER, largest};
+use super::{LeastCorrection, Linearisation, REFACTOR_AFTER, WORTH_A_FACTOR, largest};
 use crate::wheels::right_hand_side;
 use crate::{StepError, StepReport};
 use abf_constraints::ConstraintRows;
@@ -17,7 +17,7 @@ const PROGRESS: f64 = 0.5;
 const CAUTION: f64 = 0.8;
 
 /// After so many iterations their speed is known.
-const SPEED_AFTER: usize = 6;
+const SPEED_AFTER: usize = 8;
 
 /// What the vertex rows are off by is left alone below this part of the target.
 const NEGLIGIBLE: f64 = 0.1;
@@ -142,7 +142,7 @@ impl<'a> Solve<'a> {
         Ok(converged)
     }
 
-    /// Whether the rest of the way takes longer than a new factor and the whole way with it. The residual came from
+    /// Whether the rest of the way takes far longer than the whole way with a new factor. The residual came from
     /// `begin` to `now`, and goes to `target`.
     fn is_outdated(&self, iterations: usize, [begin, now, target]: [f64; 3]) -> bool {
         if !self.is_frozen || iterations < SPEED_AFTER {
@@ -150,7 +150,7 @@ impl<'a> Solve<'a> {
         }
         let gain = (begin / now).ln() / iterations as f64;
         let left = if gain > 0.0 { (now / target).ln() / gain } else { f64::INFINITY };
-        left > COST_OF_FACTOR + (begin / target).ln() / self.system.gain_when_fresh
+        left > WORTH_A_FACTOR + (begin / target).ln() / self.system.gain_when_fresh
     }
 
     /// The true residual, with the matrix.
