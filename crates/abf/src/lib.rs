@@ -91,8 +91,9 @@ pub mod cut {
 /// Tutte's embedding, and what the descent from it and [`Relax`] do; these two are at the root of the crate.
 pub mod embed {
     pub use abf_embed::{
-        BoundarySpacing, DescentRecord, DescentSolution, EmbedError, PinError, PinFault, PinResidual, PinnedDrawing,
-        RelaxStep, RelaxedDrawing, StepKind, TutteEmbedding, TutteWeights, tutte, vertex_points,
+        BoundarySpacing, DescentRecord, DescentSolution, EmbedError, FirstDrawing, PinError, PinFault, PinResidual,
+        PinnedDrawing, RelaxStep, RelaxedDrawing, StepKind, TutteEmbedding, TutteWeights, first_drawing, tutte,
+        vertex_points,
     };
 }
 

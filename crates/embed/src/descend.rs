@@ -13,8 +13,8 @@ use crate::line_search::{AcceptedDrawing, Search, StepKind, measured};
 use crate::newton::{Direction, Newton};
 use crate::objective::Objective;
 use crate::place::{centred, check_start, pins, scaled_to};
+use crate::progressive::first_drawing_watched;
 use crate::retract::Retraction;
-use crate::tutte::tutte_watched;
 use crate::{BoundarySpacing, EmbedError, TutteWeights};
 use abf_constraints::{AngleProblem, max_residual};
 use abf_control::{Cancelled, IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
@@ -91,7 +91,7 @@ pub struct DescentSolution {
     pub held: Vec<FaceId>,
     /// The same steps as observers were told of them.
     pub iterations: Vec<IterationRecord>,
-    /// The embedding it started from, where none was given.
+    /// The embedding it started from, where no start was given and doubles hold one.
     pub tutte: Option<(BoundarySpacing, TutteWeights)>,
     /// Whether the UV area is the area of the surface. If doubles do not hold the drawing at that scale it is the
     /// nearest power of two that multiplies the scale, which moves no bit.
@@ -99,15 +99,15 @@ pub struct DescentSolution {
 }
 
 impl Descent {
-    /// Descends from `start`, one point per vertex, or from [`tutte()`](crate::tutte())'s embedding.
+    /// Descends from `start`, one point per vertex, or from [`first_drawing`](crate::first_drawing()).
     ///
     /// Without time there is the start, or the first drawing there is. Of `stop` it heeds the number of iterations, the time limit and the step tolerance (a full step below it is
     /// converged, too); a drawing has no constraint residual to bring down. Same input, same bits.
     ///
     /// # Errors
     /// [`EmbedError::Setting`]; [`EmbedError::PointCount`] and [`EmbedError::StartFlipped`] for a start that is not a
-    /// drawing; the errors of [`tutte()`](crate::tutte()), and [`EmbedError::Interrupted`] if it was stopped before it had
-    /// a drawing; [`EmbedError::Linear`] for a mesh whose matrices are too large.
+    /// drawing; the errors of [`first_drawing`](crate::first_drawing()), among them [`EmbedError::Interrupted`] if it was stopped
+    /// before it had a drawing; [`EmbedError::Linear`] for a mesh whose matrices are too large.
     ///
     /// # Panics
     /// If the problem is not that of `mesh`.
@@ -126,8 +126,8 @@ impl Descent {
         let (uv, embedding) = match start {
             Some(start) => (start.to_vec(), None),
             None => {
-                let embedding = tutte_watched(mesh, topology, &mut watch)?;
-                (embedding.uv, Some((embedding.spacing, embedding.weights)))
+                let first = first_drawing_watched(mesh, topology, &mut watch)?;
+                (first.uv, first.tutte)
             }
         };
         check_start(topology, &uv)?;
@@ -256,7 +256,7 @@ impl<'p, 'a> DescentRun<'p, 'a> {
                 return Ok(Termination::MaxIterations);
             }
             match (found, at_floor) {
-                (false, true) => return Ok(Termination::Stalled),
+                (false, true) if !self.newton.hold_more() => return Ok(Termination::Stalled),
                 (found, false) if !found || self.is_centred() => self.lower_barrier(),
                 _ => {}
             }

@@ -4,6 +4,7 @@
 //! the vertices, and every drawing on the way is one in which each triangle is counter-clockwise by an exact predicate:
 //!
 //! * [`tutte()`]: a first drawing, on a circle (Tutte 1963; mean-value weights: Floater 2003).
+//! * [`first_drawing`]: the same, or a progressive embedding where doubles do not hold that one.
 //! * [`Descent`]: from there, or from any valid drawing, to the least angle energy with a logarithmic barrier.
 //! * [`Relax`]: from any valid drawing to the least of an energy of angles, of lengths, or of angles and areas.
 //!
@@ -35,7 +36,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Where things are: `tutte.rs` the embedding · `descend.rs` the loop, settings and result · `objective.rs` E and its
+//! Where things are: `tutte.rs` the embedding · `progressive.rs` one for meshes that have none in doubles · `descend.rs` the loop, settings and result · `objective.rs` E and its
 //! derivatives by the angles · `newton.rs` a direction · `retract.rs` steps that turn and scale · `line_search.rs` how
 //! far · `relax/` energies of positions and their steps · `place.rs` where a drawing lies · `plane.rs` one triangle · `system.rs` matrices over faces.
 
@@ -46,6 +47,7 @@ mod newton;
 mod objective;
 mod place;
 mod plane;
+mod progressive;
 mod relax;
 mod retract;
 mod system;
@@ -57,6 +59,7 @@ use abf_mesh::{DiskError, FaceId};
 pub use descend::{Descent, DescentRecord, DescentSolution};
 pub use line_search::StepKind;
 pub use place::vertex_points;
+pub use progressive::{FirstDrawing, first_drawing};
 pub use relax::{
     Energy, Pin, PinError, PinFault, PinResidual, PinWeight, PinnedDrawing, Pins, Relax, RelaxStep, RelaxedDrawing,
 };

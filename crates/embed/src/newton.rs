@@ -15,12 +15,19 @@ const EDGE_DAMPING: f64 = 1e-6;
 /// carried along with the others they would be rounded over one another, and no step, however short, would be left.
 const HOLD: f64 = 1e8;
 
+/// How many roundings of its coordinates may turn over a triangle at the resolution of doubles: at first, and at most.
+const ROUNDINGS: std::ops::RangeInclusive<f64> = 32.0..=32.0 * 32.0 * 32.0;
+/// By what that number is multiplied when no step leads anywhere.
+const MORE_ROUNDINGS: f64 = 32.0;
+
 /// The refinement of the linear solves: a direction is checked by its descent, not by its digits.
 const REFINEMENT: Refinement = Refinement { tolerance: 1e-8, max_steps: 2 };
 
 /// `JᵀΛJ d = −Jᵀ dE/dx` with `J = dx/du` and `Λ = d²E/dx²`: Gauss–Newton in the angles, exact in the barrier.
 pub(crate) struct Newton {
     system: FaceSystem<6>,
+    /// A triangle that so many roundings can turn over is held.
+    roundings: f64,
 }
 
 /// Where to go.
@@ -44,7 +51,18 @@ impl Newton {
         pinned: [VertexId; 2],
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
-        Ok(Self { system: FaceSystem::new(topology, &pinned, checkpoint)? })
+        Ok(Self { system: FaceSystem::new(topology, &pinned, checkpoint)?, roundings: *ROUNDINGS.start() })
+    }
+
+    /// Holds more triangles from now on: those whose angles have digits left, but too few for the last of the way. `false`
+    /// where that has no end.
+    pub(crate) fn hold_more(&mut self) -> bool {
+        let more = self.roundings * MORE_ROUNDINGS;
+        let may = ROUNDINGS.contains(&more);
+        if may {
+            self.roundings = more;
+        }
+        may
     }
 
     pub(crate) fn direction(
@@ -90,7 +108,7 @@ impl Newton {
                 }
             }
             add_edge_damping(&mut block, &points, EDGE_DAMPING);
-            if at_resolution(&points) {
+            if at_resolution(&points, self.roundings) {
                 held.push(face);
                 (0..6).for_each(|i| block[i][i] *= HOLD);
             }

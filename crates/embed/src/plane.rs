@@ -25,15 +25,13 @@ pub(crate) fn not_counter_clockwise(topology: &Topology, uv: &[Point2<f64>]) -> 
     Some((first, 1 + bad.count()))
 }
 
-/// Whether a counter-clockwise triangle has come to the resolution of doubles where it lies: a few roundings of its
+/// Whether a counter-clockwise triangle has come to the resolution of doubles where it lies: so many roundings of its
 /// coordinates could turn it over.
 #[inline]
-pub(crate) fn at_resolution(points: &[Point2<f64>; 3]) -> bool {
-    /// How many roundings of a coordinate are a few.
-    const ROUNDINGS: f64 = 32.0;
+pub(crate) fn at_resolution(points: &[Point2<f64>; 3], roundings: f64) -> bool {
     let largest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
     let reach = (points[1] - points[0]).norm() + (points[2] - points[0]).norm();
-    orientation(points) <= ROUNDINGS * f64::EPSILON * largest * reach
+    orientation(points) <= roundings * f64::EPSILON * largest * reach
 }
 
 /// The edge vectors of a triangle as complex numbers, edge `k` facing corner `k`, counter-clockwise.
@@ -126,9 +124,10 @@ mod tests {
     #[test]
     fn a_triangle_comes_to_the_resolution_of_doubles_by_being_small_far_from_the_origin() {
         let scaled = |scale: f64, x: f64| points().map(|p| Point2::new(x + scale * p.x, scale * p.y));
-        assert!(!at_resolution(&scaled(1e-13, 0.0)));
-        assert!(!at_resolution(&scaled(1e-12, 1.0)));
-        assert!(at_resolution(&scaled(1e-15, 1.0)));
+        assert!(!at_resolution(&scaled(1e-13, 0.0), 32.0));
+        assert!(!at_resolution(&scaled(1e-12, 1.0), 32.0));
+        assert!(at_resolution(&scaled(1e-15, 1.0), 32.0));
+        assert!(at_resolution(&scaled(1e-12, 1.0), 32768.0));
     }
 
     #[test]

@@ -214,7 +214,7 @@ fn means(mesh: &TriMesh, topology: &Topology, vertex: VertexId, weights: TutteWe
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use abf_control::Termination;
     use abf_mesh::{DiskError, FaceId, Point3};
@@ -292,10 +292,9 @@ mod tests {
         assert_eq!(embedding.spacing, BoundarySpacing::Uniform);
     }
 
-    #[test]
-    fn what_doubles_cannot_hold_is_named() {
-        // Every ring is half as far from the apex: after 1 100 rings no boundary and no weights leave room in doubles.
-        let rings = 1100;
+    /// A long narrow pocket, of three vertices a ring. In Tutte's embedding every ring is half as far from the apex: after
+    /// 1 100 rings no boundary and no weights leave room in doubles.
+    pub(crate) fn deep_pocket(rings: usize) -> TriMesh {
         let ring = |i: usize, k: usize| 3 * i + k % 3;
         let mut points = Vec::new();
         for i in 0..rings {
@@ -311,7 +310,12 @@ mod tests {
                 faces.push([ring(i, k + 1), ring(i + 1, k + 1), ring(i + 1, k)]);
             }
         }
-        let mesh = TriMesh::new(points, &faces).expect("indices in range");
+        TriMesh::new(points, &faces).expect("indices in range")
+    }
+
+    #[test]
+    fn what_doubles_cannot_hold_is_named() {
+        let mesh = deep_pocket(1100);
         let error = tutte(&mesh, &topology(&mesh)).expect_err("too deep for doubles");
         assert!(matches!(error, EmbedError::TutteFlipped { face, count } if face == FaceId::new(0) && count > 1));
     }

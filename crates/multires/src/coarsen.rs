@@ -47,17 +47,25 @@ impl Hierarchy {
         triangles: usize,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, Cancelled> {
-        assert_eq!(mesh.face_count(), topology.face_count(), "the topology of this mesh");
-        let working = Working::new(topology);
-        let live = (0..mesh.vertex_count() as u32).filter(|&v| working.is_used(v)).collect();
-        let rounds = Rounds {
-            points: mesh.positions(),
-            blocked: vec![0; mesh.vertex_count()],
-            working,
-            live,
-            hierarchy: Self { vertices: mesh.vertex_count(), ..Self::default() },
-        };
-        rounds.run(triangles, checkpoint)
+        Rounds::new(mesh, topology).run(triangles, false, checkpoint)
+    }
+
+    /// The same for drawings that need nothing but the connections: where no collapse leaves triangles with a shape, others
+    /// are made. A vertex of the interior never collapses into the boundary, which may wind more than once around its own
+    /// vertices in a drawing; so there is a place for every vertex in every drawing of the rest.
+    ///
+    /// # Errors
+    /// [`Cancelled`], if the checkpoint ends it.
+    ///
+    /// # Panics
+    /// If the topology is not that of the mesh.
+    pub fn coarsen_in_any_shape(
+        mesh: &TriMesh,
+        topology: &Topology,
+        triangles: usize,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, Cancelled> {
+        Rounds::new(mesh, topology).run(triangles, true, checkpoint)
     }
 }
 
@@ -71,9 +79,26 @@ struct Rounds<'m> {
     hierarchy: Hierarchy,
 }
 
-impl Rounds<'_> {
-    fn run(mut self, triangles: usize, checkpoint: &mut Checkpoint<'_>) -> Result<Hierarchy, Cancelled> {
-        let (mut limits, mut relaxed) = (Limits::STRICT, 0);
+impl<'m> Rounds<'m> {
+    fn new(mesh: &'m TriMesh, topology: &Topology) -> Self {
+        assert_eq!(mesh.face_count(), topology.face_count(), "the topology of this mesh");
+        let working = Working::new(topology);
+        Self {
+            points: mesh.positions(),
+            blocked: vec![0; mesh.vertex_count()],
+            live: (0..mesh.vertex_count() as u32).filter(|&v| working.is_used(v)).collect(),
+            working,
+            hierarchy: Hierarchy { vertices: mesh.vertex_count(), ..Hierarchy::default() },
+        }
+    }
+
+    fn run(
+        mut self,
+        triangles: usize,
+        in_any_shape: bool,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Hierarchy, Cancelled> {
+        let (mut limits, mut relaxed) = (if in_any_shape { Limits::APART } else { Limits::STRICT }, 0);
         let mut last_level = self.working.face_count();
         while self.working.face_count() > triangles && relaxed <= MOST_RELAXED {
             let candidates = self.candidates(limits, checkpoint)?;
@@ -82,7 +107,12 @@ impl Rounds<'_> {
             if removed > 0 {
                 self.hierarchy.rounds.push(self.hierarchy.removals.len());
             }
-            if (removed as f64) < LEAST_PROGRESS * (self.live.len() + removed) as f64 {
+            let is_little = (removed as f64) < LEAST_PROGRESS * (self.live.len() + removed) as f64;
+            if in_any_shape && relaxed == MOST_RELAXED && (is_little || limits == Limits::ANY_SHAPE) {
+                // As long as anything goes.
+                relaxed += usize::from(removed == 0 && limits == Limits::ANY_SHAPE);
+                limits = Limits::ANY_SHAPE;
+            } else if is_little {
                 limits = limits.relaxed();
                 relaxed += 1;
             }

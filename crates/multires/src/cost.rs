@@ -10,14 +10,22 @@ pub(crate) struct Limits {
     pub(crate) quality: f64,
     /// The least cosine between the normals of a triangle before and after.
     pub(crate) cosine: f64,
+    /// Whether vertices of the interior collapse into such vertices only.
+    pub(crate) is_apart: bool,
 }
 
 impl Limits {
-    pub(crate) const STRICT: Self = Self { quality: 0.3, cosine: 0.3 };
+    pub(crate) const STRICT: Self = Self { quality: 0.3, cosine: 0.3, is_apart: false };
+
+    /// The same, where only connections count in the end.
+    pub(crate) const APART: Self = Self { is_apart: true, ..Self::STRICT };
+
+    /// Any shape will do.
+    pub(crate) const ANY_SHAPE: Self = Self { quality: f64::NEG_INFINITY, ..Self::APART };
 
     /// Half as strict.
     pub(crate) fn relaxed(self) -> Self {
-        Self { quality: 0.5 * self.quality, cosine: 0.5 * self.cosine }
+        Self { quality: 0.5 * self.quality, cosine: 0.5 * self.cosine, ..self }
     }
 }
 
@@ -34,9 +42,12 @@ pub(crate) fn cheapest(working: &Working, points: &[Point3<f64>], vertex: u32, l
     let star = Star::new(&ring, points, vertex);
     let may_collapse = |place: usize| working.may_collapse(vertex, &ring, place);
     // Looking at the ring of a target takes longest, and the cheapest one is mostly allowed.
-    let mut found = star.cheapest(ring.targets(), limits, |_| true)?;
+    let is_kept_apart =
+        |place: &usize| limits.is_apart && ring.is_closed && !working.is_interior(ring.vertices()[*place]);
+    let targets = || ring.targets().filter(|place| !is_kept_apart(place));
+    let mut found = star.cheapest(targets(), limits, |_| true)?;
     if !may_collapse(found.1) {
-        found = star.cheapest(ring.targets(), limits, may_collapse)?;
+        found = star.cheapest(targets(), limits, may_collapse)?;
     }
     Some((found.0, ring.vertices()[found.1]))
 }
@@ -89,7 +100,7 @@ impl Star {
                 continue;
             }
             let Some(quality) = self.worst_quality(place, limits) else { continue };
-            let cost = least / quality;
+            let cost = least / quality.max(f64::MIN_POSITIVE);
             if best.is_none_or(|(before, _)| cost < before) && is_allowed(place) {
                 best = Some((cost, place));
             }
@@ -121,7 +132,7 @@ impl Star {
             let quality =
                 2.0 * 3.0_f64.sqrt() * double_area / (a.norm_squared() + b.norm_squared() + (a - b).norm_squared());
             let turned = normal.dot(&self.normals[i]) < limits.cosine * double_area * self.lengths[i];
-            if turned || !(quality >= limits.quality) {
+            if limits != Limits::ANY_SHAPE && (turned || !(quality >= limits.quality)) {
                 return None;
             }
             worst = f64::min(worst, quality);

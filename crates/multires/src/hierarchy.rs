@@ -68,8 +68,17 @@ impl Hierarchy {
     /// If it is not the mesh that was coarsened.
     #[must_use]
     pub fn coarsest(&self, mesh: &TriMesh) -> CoarseMesh {
+        self.level(mesh, self.levels.len() - 1)
+    }
+
+    /// A version of `mesh`, counted from 0, the finest below the mesh itself; its vertices in the order that they have there.
+    ///
+    /// # Panics
+    /// If it is not the mesh that was coarsened, or there is no such version.
+    #[must_use]
+    pub fn level(&self, mesh: &TriMesh, level: usize) -> CoarseMesh {
         assert_eq!(mesh.vertex_count(), self.vertices, "the mesh that was coarsened");
-        let faces = &self.levels.last().expect("never empty").faces;
+        let faces = &self.levels[level].faces;
         let mut number = vec![usize::MAX; self.vertices];
         faces.iter().flatten().for_each(|v| number[v.index()] = 0);
         let mut vertices = Vec::new();

@@ -78,24 +78,13 @@ impl Hierarchy {
         sweeps: usize,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Vec<LevelReport>, RefineError> {
-        assert!(mesh.vertex_count() == self.vertices && uv.len() == self.vertices, "a point for every vertex");
         assert!(target.len() == topology.corner_count(), "a target for every corner");
         let coarsest = self.levels.last().expect("never empty");
         let mut reports = vec![LevelReport { triangles: coarsest.faces.len(), ..LevelReport::default() }];
         for level in (0..self.levels.len()).rev() {
-            let below = &self.levels[level];
-            let above = level.checked_sub(1).map(|level| &self.levels[level]);
-            let mut report = LevelReport::default();
-            let mut triangles = below.faces.len();
-            for round in (above.map_or(0, |above| above.rounds)..below.rounds).rev() {
-                report.moved += self.put_back(round, triangles, mesh, uv, checkpoint)?;
-                report.inserted += self.round(round).len();
-                triangles +=
-                    self.removals[self.round(round)].iter().map(|r| 1 + usize::from(r.is_closed)).sum::<usize>();
-            }
-            report.triangles = above.map_or(mesh.face_count(), |above| above.faces.len());
+            let report = self.refine_level(level, mesh, uv, checkpoint)?;
             if report.inserted > 0 {
-                match above {
+                match level.checked_sub(1).map(|level| &self.levels[level]) {
                     None => relax(mesh.faces(), target, sweeps, uv, checkpoint)?,
                     Some(above) => {
                         let target = targets(mesh, topology, &above.faces);
@@ -106,6 +95,35 @@ impl Hierarchy {
             }
         }
         Ok(reports)
+    }
+
+    /// Carries a drawing of a level, counted from 0, to the next finer one, or from the finest to the mesh itself, without
+    /// any sweeps.
+    ///
+    /// # Errors
+    /// [`RefineError`], where there is no place for a vertex or the checkpoint ends it.
+    ///
+    /// # Panics
+    /// If mesh or points are not those of the mesh that was coarsened, or there is no such level.
+    pub fn refine_level(
+        &self,
+        level: usize,
+        mesh: &TriMesh,
+        uv: &mut [Point2<f64>],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<LevelReport, RefineError> {
+        assert!(mesh.vertex_count() == self.vertices && uv.len() == self.vertices, "a point for every vertex");
+        let below = &self.levels[level];
+        let above = level.checked_sub(1).map(|level| &self.levels[level]);
+        let mut report = LevelReport::default();
+        let mut triangles = below.faces.len();
+        for round in (above.map_or(0, |above| above.rounds)..below.rounds).rev() {
+            report.moved += self.put_back(round, triangles, mesh, uv, checkpoint)?;
+            report.inserted += self.round(round).len();
+            triangles += self.removals[self.round(round)].iter().map(|r| 1 + usize::from(r.is_closed)).sum::<usize>();
+        }
+        report.triangles = above.map_or(mesh.face_count(), |above| above.faces.len());
+        Ok(report)
     }
 
     /// Puts the vertices of a round back, and says how many had to be moved.

@@ -77,6 +77,11 @@ impl Working {
         self.start[vertex as usize] != NONE
     }
 
+    /// Whether a vertex is not on the boundary.
+    pub(crate) fn is_interior(&self, vertex: u32) -> bool {
+        self.interior[vertex as usize]
+    }
+
     fn across(&self, corner: u32) -> Option<u32> {
         Some(self.opposite[corner as usize]).filter(|&c| c != NONE)
     }

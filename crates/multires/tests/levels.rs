@@ -139,3 +139,28 @@ fn a_ring_that_is_turned_over_has_no_place_for_its_vertex() {
     let ended = hierarchy.refine((&mesh, &topology(&mesh)), &mesh.corner_angles(), &mut uv, 1, &mut || Ok(()));
     assert!(matches!(ended, Err(RefineError::EmptyKernel { .. })), "{ended:?}");
 }
+
+#[test]
+fn where_only_connections_count_collapses_go_on_and_lead_back() {
+    for shape in [Shape::SpikyField, Shape::Mask, Shape::BumpySheet] {
+        let mesh = shape.mesh(3000);
+        let fine = topology(&mesh);
+        let hierarchy = Hierarchy::coarsen_in_any_shape(&mesh, &fine, 30, &mut || Ok(())).expect("not cancelled");
+        let coarse = hierarchy.coarsest(&mesh);
+        topology(&coarse.mesh).require_disk().expect("a disk");
+        assert!(coarse.mesh.face_count() < 100, "{shape:?}: {}", coarse.mesh.face_count());
+        // What is on the boundary stays there, and nothing else comes to it.
+        let small = topology(&coarse.mesh);
+        let is_inside = |v: usize| small.is_interior(VertexId::new(v));
+        assert!(coarse.vertices.iter().enumerate().all(|(v, of)| is_inside(v) == fine.is_interior(*of)));
+    }
+    let mesh = Shape::BumpySheet.mesh(3000);
+    let hierarchy =
+        Hierarchy::coarsen_in_any_shape(&mesh, &topology(&mesh), 30, &mut || Ok(())).expect("not cancelled");
+    let mut uv = from_above(&mesh);
+    for level in (0..hierarchy.triangles().len()).rev() {
+        let report = hierarchy.refine_level(level, &mesh, &mut uv, &mut || Ok(())).expect("a place for every vertex");
+        assert!(report.inserted > 0);
+    }
+    assert_eq!(flips(&mesh, &uv), 0);
+}

@@ -3,11 +3,11 @@
 use super::task::{Given, Single, Task};
 use crate::{FlattenError, Flattening, PinReport, PrecisionLimits, RelaxReport};
 use abf_control::{Event, Observer, Stage, StopCriteria, ask};
-use abf_embed::{EmbedError, Pin, PinResidual, Pins, Relax, tutte, vertex_points};
+use abf_embed::{EmbedError, Pin, PinResidual, Pins, Relax, first_drawing, vertex_points};
 use abf_mesh::{Point2, UvMap, VertexId};
 
-/// Relaxes the map of a solver if that is valid, else Tutte's embedding. One that was interrupted stays as it is, and so
-/// does one that is not valid where there is no such embedding.
+/// Relaxes the map of a solver if that is valid, else a first drawing. One that was interrupted stays as it is, and so
+/// does one that is not valid where there is no such drawing.
 pub(super) fn relaxed(
     given: Given<'_>,
     relax: &Relax,
@@ -15,7 +15,7 @@ pub(super) fn relaxed(
     stop: &StopCriteria,
     observer: &mut dyn Observer,
 ) -> Result<Flattening, FlattenError> {
-    let Some((start, from_tutte)) = begin(&given, &flat, observer)? else { return Ok(flat) };
+    let Some((start, from_tutte)) = begin(&given, &flat, stop, observer)? else { return Ok(flat) };
     let drawing = relax.solve(given.mesh, given.problem, &start, stop, observer).map_err(FlattenError::of_relaxing)?;
     ask(observer, Event::StageStarted(Stage::Certificate))?;
     let task = Task::new(given, flat.solver, Single::SurfaceAngles);
@@ -55,7 +55,7 @@ pub(super) fn pinned(
     stop: &StopCriteria,
     observer: &mut dyn Observer,
 ) -> Result<Flattening, FlattenError> {
-    let Some((start, _)) = begin(&given, &flat, observer)? else { return Ok(flat) };
+    let Some((start, _)) = begin(&given, &flat, stop, observer)? else { return Ok(flat) };
     let relax = given.pipeline.relax.unwrap_or_default();
     // A power of two moves no bit.
     let scaled = |pin: &Pin| Pin { uv: pin.uv.map(|x| x * given.scale), ..*pin };
@@ -94,15 +94,26 @@ pub(super) fn pinned(
     })
 }
 
-/// Where to start from: the map of the solver if it is valid, else Tutte's embedding, and whether it is that. `None` after an
+/// Where to start from: the map of the solver if it is valid, else a first drawing, and whether it is Tutte's embedding. `None` after an
 /// interruption, and where there is neither.
-fn begin(given: &Given<'_>, flat: &Flattening, observer: &mut dyn Observer) -> Result<Option<Start>, FlattenError> {
+fn begin(
+    given: &Given<'_>,
+    flat: &Flattening,
+    stop: &StopCriteria,
+    observer: &mut dyn Observer,
+) -> Result<Option<Start>, FlattenError> {
     if flat.termination.is_interruption() {
         return Ok(None);
     }
     ask(observer, Event::StageStarted(Stage::Relax))?;
-    let own = upright(given, flat).map(|points| (points, false));
-    Ok(own.or_else(|| Some((tutte(given.mesh, given.problem.topology()).ok()?.uv, true))))
+    if let Some(points) = upright(given, flat) {
+        return Ok(Some((points, false)));
+    }
+    match first_drawing(given.mesh, given.problem.topology(), stop, observer) {
+        Ok(first) => Ok(Some((first.uv, first.tutte.is_some()))),
+        Err(EmbedError::Cancelled(cancelled)) => Err(cancelled.into()),
+        Err(_) => Ok(None),
+    }
 }
 
 type Start = (Vec<Point2<f64>>, bool);

@@ -55,7 +55,7 @@ pub(super) struct Task<'t> {
     pub(super) solver: SolverKind,
     pub(super) method: Single<'t>,
     pub(super) stop: StopCriteria,
-    /// A valid drawing for the descent to start from, one point per vertex; otherwise it is Tutte's embedding.
+    /// A valid drawing for the descent to start from, one point per vertex; otherwise it is a first drawing.
     pub(super) start: Option<&'t [Point2<f64>]>,
 }
 
@@ -126,7 +126,7 @@ impl<'t> Task<'t> {
         self.laid_out(flat.solution.clone(), settings, observer).ok()
     }
 
-    /// The descent, from a drawing that is there or from Tutte's embedding.
+    /// The descent, from a drawing that is there or from a first one.
     fn descend(&self, descent: &Descent, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
         let Given { mesh, problem, .. } = self.given;
         let descended = descent.solve(mesh, problem, self.start, &self.stop, observer)?;

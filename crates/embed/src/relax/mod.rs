@@ -25,10 +25,10 @@ use abf_constraints::AngleProblem;
 use abf_control::{IterationRecord, Observer, StopCriteria, Termination, Watch};
 use abf_mesh::{Point2, Topology, TriMesh};
 use energies::Energies;
-use energy::Isometric;
+use energy::{Isometric, SymmetricDirichlet};
 pub use pinned::{PinResidual, PinnedDrawing};
 pub use pins::{Pin, PinError, PinFault, PinWeight, Pins};
-use rest::within_reach;
+use rest::{rest_shapes, within_reach};
 pub use run::RelaxStep;
 use run::{Outcome, Run};
 pub use settings::{Energy, Relax};
@@ -95,7 +95,7 @@ impl Relax {
         watch.checkpoint()?;
         let uv = scaled_by(topology, uv, energies.isometric.best_scale(topology, start));
         let directions = Directions::new(topology, &[crowded], &mut || watch.checkpoint())?;
-        let mut run = Run::new(self, problem, uv, directions, mesh.area());
+        let mut run = Run::new(self, (topology, problem.mesh_angles()), uv, directions, mesh.area());
         let terms = energies.terms(topology, &[]);
         let energy_before = terms.without_barrier(&run.uv);
         run.start(&terms, &mut watch)?;
@@ -115,6 +115,28 @@ impl Relax {
             area_matched,
         })
     }
+}
+
+/// A drawing of a surface after some steps towards the least symmetric Dirichlet energy, or as it is if there is no time.
+pub(crate) fn roomier(
+    mesh: &TriMesh,
+    topology: &Topology,
+    start: &[Point2<f64>],
+    watch: &mut Watch<'_>,
+) -> Result<Vec<Point2<f64>>, EmbedError> {
+    /// Triangles with room are enough.
+    const ROOMY: Relax = Relax { energy: Energy::Isometric, energy_tolerance: 1e-2, max_steps: 60, barrier: 1e-3 };
+    if watch.interruption().is_some() {
+        return Ok(start.to_vec());
+    }
+    let crowded = anchors(topology, start)[0];
+    let truth = Isometric { density: Arc::new(SymmetricDirichlet), rest: rest_shapes(mesh) };
+    let uv = scaled_by(topology, centred(topology, start, crowded), truth.best_scale(topology, start));
+    let directions = Directions::new(topology, &[crowded], &mut || watch.checkpoint())?;
+    let mut run = Run { is_quiet: true, ..Run::new(&ROOMY, (topology, &[]), uv, directions, mesh.area()) };
+    approach(&mut run, &truth, watch)?;
+    run.descend(&Terms { topology, triangles: &truth, springs: &[] }, watch)?;
+    Ok(run.uv)
 }
 
 /// Progressive steps, while the drawing is far from the surface.

@@ -209,7 +209,7 @@ impl Pinned<'_, '_> {
 
     fn run(&self, uv: Vec<Point2<f64>>, held: &[VertexId], watch: &mut Watch<'_>) -> Result<Run<'_>, EmbedError> {
         let directions = Directions::new(self.topology, held, &mut || watch.checkpoint())?;
-        Ok(Run::new(self.relax, self.problem, uv, directions, self.area))
+        Ok(Run::new(self.relax, (self.topology, self.problem.mesh_angles()), uv, directions, self.area))
     }
 
     /// Hard pins with this weight, soft ones with their own.

@@ -4,7 +4,6 @@ use super::settings::Relax;
 use super::terms::{Direction, Directions, Terms};
 use crate::drawn::Drawn;
 use crate::plane::{angles, of_face};
-use abf_constraints::AngleProblem;
 use abf_control::{Cancelled, IterationRecord, Termination, Watch};
 use abf_linalg::{LinearError, LinearStats};
 use abf_mesh::{Point2, Topology, Vector2, VertexId};
@@ -48,12 +47,14 @@ pub(crate) struct Run<'r> {
     pub(crate) steps: Vec<RelaxStep>,
     /// As observers were told of them.
     pub(crate) reported: Vec<IterationRecord>,
-    /// Of the surface, one per corner, rad.
+    /// Of the surface, one per corner, rad; empty for a quiet run, which shows no drawing.
     pub(crate) mesh_angles: &'r [f64],
     pub(crate) tolerance: f64,
     pub(crate) max_steps: usize,
     /// The side of a square as large as the surface.
     pub(crate) unit: f64,
+    /// Whether steps are told of as inner work only.
+    pub(crate) is_quiet: bool,
 }
 
 /// What came of a step.
@@ -68,18 +69,17 @@ pub(crate) enum Outcome {
 }
 
 impl<'r> Run<'r> {
-    /// A drawing of a surface with this area.
+    /// A drawing of a surface with these angles and this area.
     pub(crate) fn new(
         relax: &Relax,
-        problem: &'r AngleProblem<'_>,
+        (topology, mesh_angles): (&'r Topology, &'r [f64]),
         uv: Vec<Point2<f64>>,
         directions: Directions,
         area: f64,
     ) -> Self {
         let (tolerance, max_steps, unit) = (relax.energy_tolerance, relax.max_steps, area.sqrt());
-        let (topology, mesh_angles) = (problem.topology(), problem.mesh_angles());
         let (steps, reported) = (Vec::new(), Vec::new());
-        Self { topology, uv, directions, steps, reported, mesh_angles, tolerance, max_steps, unit }
+        Self { topology, uv, directions, steps, reported, mesh_angles, tolerance, max_steps, unit, is_quiet: false }
     }
 
     /// Steps until there is nothing more to gain.
@@ -141,10 +141,14 @@ impl<'r> Run<'r> {
         if let Some(found) = found {
             self.uv = found.uv;
         }
-        let record = reported(&step);
-        self.reported.push(record);
-        watch.drawing(&self.drawn())?;
-        watch.iteration(&record)?;
+        if self.is_quiet {
+            watch.inner(step.iteration, f64::NAN)?;
+        } else {
+            let record = reported(&step);
+            self.reported.push(record);
+            watch.drawing(&self.drawn())?;
+            watch.iteration(&record)?;
+        }
         Ok(match (is_last, has_moved) {
             (true, _) => Outcome::Done,
             (false, true) => Outcome::Better,
