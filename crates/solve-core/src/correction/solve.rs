@@ -16,8 +16,8 @@ const PROGRESS: f64 = 0.5;
 /// The iteration aims this far below the target: rounding adds the rest.
 const CAUTION: f64 = 0.8;
 
-/// After so many iterations their speed is known.
-const SPEED_AFTER: usize = 8;
+/// After so many iterations their speed is known: before, the largest entry of the residual goes up and down.
+const SPEED_AFTER: usize = 16;
 
 /// What the vertex rows are off by is left alone below this part of the target.
 const NEGLIGIBLE: f64 = 0.1;
