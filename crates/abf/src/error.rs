@@ -1,6 +1,6 @@
 //! Why there is no result.
 
-use crate::settings::SolverKind;
+use crate::settings::{Injective, SolverKind};
 use abf_constraints::ProblemError;
 use abf_control::Cancelled;
 use abf_embed::{EmbedError, PinError};
@@ -45,6 +45,15 @@ pub enum FlattenError {
     /// The map could not be relaxed.
     #[error("the map could not be relaxed")]
     Relax(#[source] EmbedError),
+    /// There is no map without overlaps to start from.
+    #[error("no map without overlaps was found")]
+    Injective(#[source] EmbedError),
+    /// What keeps a map from lying over itself moves the boundary, and parts it.
+    #[error("the rule '{0}' for overlaps does not go with {1}")]
+    InjectiveElsewhere(Injective, &'static str),
+    /// A gap is kept by a map that is deformed, in the units of the mesh.
+    #[error("a boundary gap needs the rule 'deform' for overlaps, and UVs that are not normalized")]
+    GapElsewhere,
     /// Pins that no map of the mesh can have.
     #[error("the pins do not fit the mesh")]
     Pins(#[source] PinError),

@@ -1,6 +1,6 @@
 //! What comes out: UVs, and everything that is known of them.
 
-use crate::{FlattenError, PrecisionLimits, SolverKind};
+use crate::{FlattenError, Injective, PrecisionLimits, SolverKind};
 use abf_constraints::KktCounts;
 use abf_control::Termination;
 use abf_embed::{Energy, PinResidual};
@@ -43,6 +43,8 @@ pub struct Flattening {
     pub hierarchy: Option<HierarchyReport>,
     /// What relaxing did; `None` where it was not asked for, or there was no map or no time for it.
     pub relaxed: Option<RelaxReport>,
+    /// What was done about overlaps; `None` where nothing was.
+    pub injective: Option<InjectiveReport>,
     /// What became of pins; `None` where there are none, or there was no map or no time for them.
     pub pinned: Option<PinReport>,
     /// Every solver that was tried, in order, by [`SolverKind::Auto`]; empty for the others.
@@ -99,6 +101,33 @@ pub struct RelaxReport {
     pub progressive_steps: usize,
     /// Whether it started from Tutte's embedding, because the map of the solver is not valid.
     pub from_tutte: bool,
+}
+
+/// What was done about a map that lay over itself.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct InjectiveReport {
+    /// By which rule.
+    pub rule: Injective,
+    /// How many overlaps there were: [`Certificate::overlaps`].
+    pub overlaps: usize,
+    /// Which energy was least at the end; `None` of a map that was parted.
+    pub energy: Option<Energy>,
+    /// What that energy was before, with the overlaps; `None` where the map was not valid.
+    pub before: Option<f64>,
+    /// What it is at the end; `None` where there is no other map.
+    pub after: Option<f64>,
+    /// How many steps it took.
+    pub steps: usize,
+    /// How many of these went for lengths first.
+    pub first_steps: usize,
+    /// The smallest distance, in units of the UVs, of a boundary vertex and a boundary edge that are nearer to each other than a
+    /// quarter of their way along the boundary; `None` where there are no such two, or it is not known.
+    pub gap: Option<f64>,
+    /// In how many parts the map is.
+    pub parts: usize,
+    /// Why the map is as it was; the termination is [`Termination::Stalled`] then.
+    pub error: Option<FlattenError>,
 }
 
 /// What became of pins.

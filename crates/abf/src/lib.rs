@@ -53,7 +53,8 @@ pub use atlas::{
 };
 pub use error::FlattenError;
 pub use flattening::{
-    BoundaryReport, Flattening, HierarchyReport, LayoutReport, PinReport, RelaxReport, RelaxedMap, RungReport,
+    BoundaryReport, Flattening, HierarchyReport, InjectiveReport, LayoutReport, PinReport, RelaxReport, RelaxedMap,
+    RungReport,
 };
 pub use judge::{JudgeError, JudgeSettings, Judgement, judge};
 pub use pattern::{Developed, Laid, Orient, Pattern};
@@ -91,9 +92,9 @@ pub mod cut {
 /// Tutte's embedding, and what the descent from it and [`Relax`] do; these two are at the root of the crate.
 pub mod embed {
     pub use abf_embed::{
-        BoundarySpacing, DescentRecord, DescentSolution, EmbedError, FirstDrawing, PinError, PinFault, PinResidual,
-        PinnedDrawing, RelaxStep, RelaxedDrawing, StepKind, TutteEmbedding, TutteWeights, first_drawing, tutte,
-        vertex_points,
+        BoundarySpacing, DescentRecord, DescentSolution, EmbedError, FirstDrawing, InjectiveDrawing, PinError,
+        PinFault, PinResidual, PinnedDrawing, RelaxStep, RelaxedDrawing, StepKind, TutteEmbedding, TutteWeights,
+        boundary_gap, first_drawing, tutte, vertex_points,
     };
 }
 

@@ -61,7 +61,8 @@ pub use line_search::StepKind;
 pub use place::vertex_points;
 pub use progressive::{FirstDrawing, first_drawing};
 pub use relax::{
-    Energy, Pin, PinError, PinFault, PinResidual, PinWeight, PinnedDrawing, Pins, Relax, RelaxStep, RelaxedDrawing,
+    Energy, InjectiveDrawing, Pin, PinError, PinFault, PinResidual, PinWeight, PinnedDrawing, Pins, Relax, RelaxStep,
+    RelaxedDrawing, boundary_gap, check_gap,
 };
 pub use tutte::{BoundarySpacing, TutteEmbedding, TutteWeights, tutte};
 
@@ -96,6 +97,9 @@ pub enum EmbedError {
         /// How many vertices there are.
         vertices: usize,
     },
+    /// Doubles do not hold the boundary of Tutte's embedding apart.
+    #[error("the boundary of Tutte's embedding meets itself in double precision: merge or remove its shortest edges")]
+    BoundaryTooCrowded,
     /// Pins that no drawing of the mesh can have.
     #[error(transparent)]
     Pins(#[from] PinError),

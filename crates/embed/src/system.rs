@@ -20,9 +20,11 @@ pub(crate) struct Numbering {
 }
 
 impl Numbering {
+    /// Vertices with an edge, and further pairs, are neighbours.
     pub(crate) fn new(
         topology: &Topology,
         pinned: &[VertexId],
+        further: &[(VertexId, VertexId)],
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
         let mut free = vec![NONE; topology.vertex_count()];
@@ -32,6 +34,7 @@ impl Numbering {
             count += 1;
         }
         let edges = topology.corners().map(|c| (topology.vertex(c.next()), topology.vertex(c.prev())));
+        let edges = edges.chain(further.iter().copied());
         let edges = edges.map(|(a, b)| (free[a.index()], free[b.index()])).filter(|&(a, b)| a != NONE && b != NONE);
         let graph = Graph::from_edges(count as usize, edges.collect::<Vec<_>>().into_iter());
         checkpoint()?;
@@ -64,24 +67,24 @@ impl<const N: usize> FaceSystem<N> {
         pinned: &[VertexId],
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
-        let numbering = Numbering::new(topology, pinned, checkpoint)?;
+        Self::with_pairs(topology, pinned, &[], checkpoint)
+    }
+
+    /// The same with further pairs of vertices that share entries: see [`FaceSystem::add_triple`].
+    pub(crate) fn with_pairs(
+        topology: &Topology,
+        pinned: &[VertexId],
+        pairs: &[(VertexId, VertexId)],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, LinearError> {
+        let numbering = Numbering::new(topology, pinned, pairs, checkpoint)?;
         let block = N / 3;
         let pattern = Arc::new(SymmetricPattern::of_blocks(&numbering.graph, &numbering.order, block));
         checkpoint()?;
-        let slots_of = |face| {
-            let vertices = topology.face_vertices(face).map(|v| numbering.unknown(v));
-            let rows: [Option<usize>; N] = std::array::from_fn(|i| vertices[i / block].map(|u| block * u + i % block));
-            rows.map(|row| {
-                rows.map(|column| match (row, column) {
-                    (Some(row), Some(column)) if row >= column => pattern.slot(row, column) as u32,
-                    _ => NONE,
-                })
-            })
-        };
         let mut slots = Vec::with_capacity(topology.face_count());
         for face in topology.faces() {
             at_block(face.index(), checkpoint)?;
-            slots.push(slots_of(face));
+            slots.push(slots_of(&pattern, &numbering, topology.face_vertices(face)));
         }
         checkpoint()?;
         let symbolic = SymbolicCholesky::analyse(Arc::clone(&pattern))?;
@@ -101,6 +104,16 @@ impl<const N: usize> FaceSystem<N> {
                 if slot != NONE {
                     self.matrix.values[slot as usize] += value;
                 }
+            }
+        }
+    }
+
+    /// Adds the symmetric block of three vertices, any two of which share a face or were given as a pair.
+    pub(crate) fn add_triple(&mut self, vertices: [VertexId; 3], block: &[[f64; N]; N]) {
+        let slots: [[u32; N]; N] = slots_of(self.matrix.pattern(), &self.numbering, vertices);
+        for (&slot, &value) in slots.as_flattened().iter().zip(block.as_flattened()) {
+            if slot != NONE {
+                self.matrix.values[slot as usize] += value;
             }
         }
     }
@@ -136,4 +149,21 @@ impl<const N: usize> FaceSystem<N> {
             }
         }
     }
+}
+
+/// Where the entries of the block of three vertices go; [`NONE`] for those above the diagonal and of pinned vertices.
+fn slots_of<const N: usize>(
+    pattern: &SymmetricPattern,
+    numbering: &Numbering,
+    vertices: [VertexId; 3],
+) -> [[u32; N]; N] {
+    let block = N / 3;
+    let vertices = vertices.map(|v| numbering.unknown(v));
+    let rows: [Option<usize>; N] = std::array::from_fn(|i| vertices[i / block].map(|u| block * u + i % block));
+    rows.map(|row| {
+        rows.map(|column| match (row, column) {
+            (Some(row), Some(column)) if row >= column => pattern.slot(row, column) as u32,
+            _ => NONE,
+        })
+    })
 }

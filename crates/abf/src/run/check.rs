@@ -1,9 +1,9 @@
 //! Settings, checked before anything is done.
 
 use crate::FlattenError;
-use crate::settings::{Ladder, LinAbf, Method, Pipeline, Solver};
+use crate::settings::{Injective, Ladder, LinAbf, Method, Pipeline, Solver};
 use abf_constraints::ProblemError;
-use abf_embed::{Descent, EmbedError};
+use abf_embed::{Descent, EmbedError, check_gap};
 use abf_reconstruct::LayoutKind;
 use abf_solve_core::AngleSolver;
 
@@ -17,6 +17,7 @@ impl Pipeline {
         self.initial_guess.check()?;
         self.check_boundary()?;
         self.check_relax()?;
+        self.check_injective()?;
         match self.solver.method() {
             Method::Ladder(Ladder { linabf, newton, barrier, descent }) => {
                 self.check_angles(&(*linabf).into(), linabf)?;
@@ -61,6 +62,19 @@ impl Pipeline {
             return Err(FlattenError::RelaxBoundary(relax.energy.to_string()));
         }
         self.stop.check().map_err(EmbedError::from).and_then(|()| relax.check()).map_err(FlattenError::Relax)
+    }
+
+    fn check_injective(&self) -> Result<(), FlattenError> {
+        let Self { injective, boundary_gap, normalize, .. } = *self;
+        check_gap(boundary_gap).map_err(|error| FlattenError::Injective(error.into()))?;
+        if boundary_gap > 0.0 && (injective != Injective::Deform || normalize) {
+            return Err(FlattenError::GapElsewhere);
+        }
+        let other = [(self.pins.is_some(), "pins"), (!self.boundary.is_free(), "a boundary rule")];
+        match other.into_iter().find(|&(is_asked, _)| is_asked && injective != Injective::Off) {
+            Some((_, other)) => Err(FlattenError::InjectiveElsewhere(injective, other)),
+            None => Ok(()),
+        }
     }
 
     fn check_angles(&self, solver: &Solver, angles: &dyn AngleSolver) -> Result<(), FlattenError> {
@@ -161,6 +175,24 @@ mod tests {
                 _ => assert!(refused(&pipeline).contains("max_iterations"), "{}", pipeline.solver),
             }
         }
+    }
+
+    #[test]
+    fn what_does_not_go_with_a_rule_for_overlaps_is_refused_by_name() {
+        use abf_constraints::Boundary;
+        for injective in [Injective::Split, Injective::Deform] {
+            let pipeline = Pipeline { injective, ..Pipeline::default() };
+            assert_eq!(pipeline.check(), Ok(()));
+            let pinned = Pipeline { pins: Some(abf_embed::Pins::default()), ..pipeline.clone() };
+            assert!(refused(&pinned).contains("does not go with pins"));
+            let bounded = Pipeline { boundary: Boundary::Convex, ..pipeline };
+            assert!(refused(&bounded).contains("does not go with a boundary rule"));
+        }
+        let gap = |injective, boundary_gap| Pipeline { injective, boundary_gap, ..Pipeline::default() };
+        assert_eq!(gap(Injective::Deform, 0.1).check(), Ok(()));
+        assert!(refused(&gap(Injective::Split, 0.1)).contains("deform"));
+        assert!(refused(&gap(Injective::Deform, -0.1)).contains("boundary_gap"));
+        assert!(refused(&Pipeline { normalize: true, ..gap(Injective::Deform, 0.1) }).contains("normalized"));
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! From a mesh to its UVs.
 
+mod apart;
 mod boundary;
 mod check;
 mod corners;
+mod injective;
 mod ladder;
 mod levels;
 mod relax;
@@ -10,13 +12,14 @@ mod relax_map;
 mod task;
 mod thin;
 
-use crate::settings::{Descent, Method, Pipeline, Solver, SolverKind, ZeroArea, predict_memory};
+use crate::settings::{Descent, Injective, Method, Pipeline, Solver, SolverKind, ZeroArea, predict_memory};
 use crate::{FlattenError, Flattening};
 use abf_constraints::{AngleProblem, BoundaryError, GuessSettings, ProblemError};
 use abf_control::{Event, Observer, Silent, Stage, TimeBudget, ask};
 use abf_embed::Relax;
 use abf_mesh::{GeometryError, Topology, TriMesh};
 use abf_solve_linabf::{LinAbf, Passes};
+pub(crate) use apart::{neighbours, walks};
 use ladder::climb;
 use std::num::NonZeroUsize;
 use task::{Given, Single, Task, begin};
@@ -146,7 +149,7 @@ impl Pipeline {
                 Some(relax) => relax::relaxed(given, relax, flat, &budget.left(), observer)?,
             };
             match &self.pins {
-                None => Ok(flat),
+                None => injective::made_injective(given, flat, &budget.left(), observer),
                 Some(pins) => relax::pinned(given, pins, flat, &budget.left(), observer),
             }
         };
@@ -187,7 +190,7 @@ impl Pipeline {
     /// Whether the solver keeps within the limit; of the ladder its first rung, for the others are checked when it is
     /// their turn.
     pub(crate) fn check_memory(&self, mesh: &TriMesh) -> Result<(), FlattenError> {
-        if self.relax.is_some() {
+        if self.relax.is_some() || self.injective == Injective::Deform {
             // It has the matrices of the descent.
             check_memory(&Descent::default().into(), self.solver.kind(), self.max_memory, mesh)?;
         }

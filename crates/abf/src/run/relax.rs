@@ -119,7 +119,7 @@ fn begin(
 type Start = (Vec<Point2<f64>>, bool);
 
 /// The points of a valid map that is not mirrored, as large as the mesh that is worked on.
-fn upright(given: &Given<'_>, flat: &Flattening) -> Option<Vec<Point2<f64>>> {
+pub(super) fn upright(given: &Given<'_>, flat: &Flattening) -> Option<Vec<Point2<f64>>> {
     let is_upright = flat.certificate.valid() && flat.uv.signed_area() > 0.0;
     let points = vertex_points(given.problem.topology(), &flat.uv).ok().filter(|_| is_upright)?;
     // The areas of some would underflow at another scale.

@@ -2,7 +2,7 @@
 
 use super::relax::{pinned, relaxed};
 use super::task::{Given, Single, Task, begin};
-use crate::settings::{Pipeline, SolverKind, ZeroArea};
+use crate::settings::{Injective, Pipeline, SolverKind, ZeroArea};
 use crate::{FlattenError, Flattening, LayoutReport, PinReport, RelaxReport, RelaxedMap};
 use abf_constraints::AngleProblem;
 use abf_control::{Event, Observer, Stage, StopCriteria, Termination, TimeBudget, ask};
@@ -29,6 +29,9 @@ impl Pipeline {
     ) -> Result<RelaxedMap, FlattenError> {
         let asked = Self { relax: Some(self.relax.unwrap_or_default()), ..self.clone() };
         asked.check()?;
+        if self.injective != Injective::Off {
+            return Err(FlattenError::InjectiveElsewhere(self.injective, "a map that is there"));
+        }
         asked.check_memory(mesh)?;
         let budget = TimeBudget::start(&self.stop);
         begin(observer, Stage::Topology)?;

@@ -233,6 +233,7 @@ impl<'t> Task<'t> {
             solution,
             hierarchy: None,
             relaxed: None,
+            injective: None,
             pinned: None,
             rungs: Vec::new(),
         }

@@ -1,6 +1,7 @@
 //! What may be asked of a flattening. Nothing in here runs anything.
 
 mod growth;
+mod injective;
 mod ladder;
 mod memory;
 mod pipeline;
@@ -10,6 +11,7 @@ mod solver_parts;
 mod solver_settings;
 mod zero_area;
 
+pub use injective::Injective;
 pub use ladder::Ladder;
 pub use memory::predict_memory;
 pub use pipeline::Pipeline;

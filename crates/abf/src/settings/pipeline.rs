@@ -1,6 +1,6 @@
 //! Every setting of a flattening.
 
-use crate::settings::{Solver, ZeroArea};
+use crate::settings::{Injective, Solver, ZeroArea};
 use abf_constraints::{Boundary, GuessSettings};
 use abf_control::StopCriteria;
 use abf_embed::{Pins, Relax};
@@ -39,6 +39,15 @@ pub struct Pipeline {
     /// boundary nor [`Pipeline::normalize`] goes with them.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub pins: Option<Pins>,
+    /// What becomes of a map that lies over itself, after the solver and relaxing. Neither pins nor a rule for the boundary go
+    /// with a rule other than [`Injective::Off`].
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Injective::is_off"))]
+    pub injective: Injective,
+    /// With [`Injective::Deform`] the smallest distance of a boundary vertex and a boundary edge, in the units of the mesh: UVs
+    /// have the area of the surface. Less is enough where the two are near along the boundary: a quarter of their way. It does
+    /// not go with [`Pipeline::normalize`]. What packing leaves between charts is another matter.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "is_zero"))]
+    pub boundary_gap: f64,
     /// Scale the UVs into the unit square instead of giving them the area of the surface.
     pub normalize: bool,
     /// What the UVs will be stored in: they are rounded to it, and certified as that.
@@ -46,4 +55,10 @@ pub struct Pipeline {
     /// Refuse meshes for which [`predict_memory`](crate::predict_memory) says more bytes than this; `None`: no limit
     /// but that of the system, which may end the program. [`Solver::Auto`] leaves out the rungs that would take more.
     pub max_memory: Option<u64>,
+}
+
+#[cfg(feature = "serde")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_zero(length: &f64) -> bool {
+    *length == 0.0
 }

@@ -91,6 +91,7 @@ fn in_input(
         rungs: finished.rungs,
         layout_error: finished.layout_error,
         relaxed: finished.relaxed,
+        injective: finished.injective,
         seam_length: 0.0,
         rounds: finished.rounds,
         holes_filled: finished.holes_filled,

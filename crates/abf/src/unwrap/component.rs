@@ -3,7 +3,7 @@
 use super::finish::{Finished, finish};
 use super::relay::{Ear, Relay};
 use super::{SeamRule, Unwrap};
-use crate::{FlattenError, Pipeline, ZeroArea};
+use crate::{FlattenError, Injective, Pipeline, ZeroArea};
 use abf_constraints::ProblemError;
 use abf_control::{Cancelled, Event, Termination, TimeBudget, ask};
 use abf_cut::{Chart, CostSettings, EdgeCosts, Seams, hard_surface_asking, split, split_asking, two_parts_asking};
@@ -194,7 +194,12 @@ impl<'o> Component<'_, 'o> {
     /// are to be: those that close holes may have none.
     pub(super) fn pipeline(&self) -> Pipeline {
         let (normalize, zero_area, stop) = (false, ZeroArea::Carry, self.budget.left());
-        Pipeline { normalize, zero_area, stop, ..self.settings.pipeline.clone() }
+        // Charts that lie over themselves are parted here.
+        let injective = match self.settings.pipeline.injective {
+            Injective::Split => Injective::Off,
+            other => other,
+        };
+        Pipeline { normalize, zero_area, stop, injective, ..self.settings.pipeline.clone() }
     }
 
     /// The costs of cutting a piece with its holes closed by the faces from `real` on.

@@ -1,6 +1,8 @@
 //! From a flattened chart with virtual faces to one without.
 
-use crate::{FlattenError, Flattening, LayoutReport, RelaxReport, RungReport, SolveReport, SolverKind};
+use crate::{
+    FlattenError, Flattening, InjectiveReport, LayoutReport, RelaxReport, RungReport, SolveReport, SolverKind,
+};
 use abf_control::{Checkpoint, Termination};
 use abf_cut::Chart;
 use abf_mesh::{FaceId, Submesh, TriMesh, UvMap};
@@ -25,6 +27,7 @@ pub(super) struct Finished {
     pub(super) rungs: Vec<RungReport>,
     pub(super) layout_error: Option<f64>,
     pub(super) relaxed: Option<RelaxReport>,
+    pub(super) injective: Option<InjectiveReport>,
     pub(super) rounds: usize,
     pub(super) holes_filled: usize,
     pub(super) virtual_faces: usize,
@@ -87,6 +90,7 @@ impl Finished {
             rungs: Vec::new(),
             layout_error: None,
             relaxed: None,
+            injective: None,
             rounds: 0,
             holes_filled: 0,
             virtual_faces: real.abs_diff(chart.mesh.face_count()),
@@ -126,6 +130,7 @@ pub(super) fn finish(
         rungs: flat.rungs,
         layout_error,
         relaxed: flat.relaxed,
+        injective: flat.injective,
         rounds: 0,
         holes_filled: 0,
         virtual_faces: 0,
@@ -135,8 +140,8 @@ pub(super) fn finish(
 
 /// The largest difference between a laid-out angle and the one solved for, rad.
 fn layout_error(chart: &Chart, real: usize, flat: &Flattening) -> Result<Option<f64>, FlattenError> {
-    // A map that was relaxed has left the angles that were solved for.
-    let solution = flat.solution.as_ref().filter(|_| flat.relaxed.is_none());
+    // A map that was relaxed or deformed has left the angles that were solved for.
+    let solution = flat.solution.as_ref().filter(|_| flat.relaxed.is_none() && flat.injective.is_none());
     let Some(angles) = solution.map(AngleSolution::angles) else { return Ok(None) };
     let faces = per_face(&chart.mesh, &flat.uv)?;
     let laid_out = faces[..real].iter().flat_map(|face| face.uv_angles);

@@ -3,9 +3,10 @@
 
 use super::finish::Finished;
 use super::order::InOrder;
-use super::overlap::{neighbours, part_of};
+use super::overlap::part_of;
 use super::{SurfaceHints, Unwrap, UnwrapError, UnwrappedChart};
 use crate::FlattenError;
+use crate::run::neighbours;
 use abf_control::Checkpoint;
 use abf_cut::Repaired;
 use abf_mesh::{CornerId, DisjointSets, FaceId, Point2, UvMap, Vector2};

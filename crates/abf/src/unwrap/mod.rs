@@ -18,7 +18,9 @@ mod stretch;
 mod surface;
 mod unfinished;
 
-use crate::{FlattenError, LayoutReport, Pipeline, RelaxReport, RungReport, SolveReport, SolverKind, ZeroArea};
+use crate::{
+    FlattenError, InjectiveReport, LayoutReport, Pipeline, RelaxReport, RungReport, SolveReport, SolverKind, ZeroArea,
+};
 use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, ask};
 use abf_cut::{
     Chart, CostSettings, DoubleSided, RepairReport, Seams, Weld, label_borders, paired_by_place, repair_asking,
@@ -157,6 +159,8 @@ pub struct UnwrappedChart {
     pub layout: LayoutReport,
     /// What relaxing did, on its last disk; `None` where it was not asked for, or the chart lies in a plane.
     pub relaxed: Option<RelaxReport>,
+    /// What was done about overlaps, by [`Injective::Deform`](crate::Injective::Deform); `None` where nothing was.
+    pub injective: Option<InjectiveReport>,
     /// What the solvers of [`SolverKind::Auto`] came to.
     pub rungs: Vec<RungReport>,
     /// The largest difference between an angle of the UVs and the one solved for, rad, over faces that are not virtual;

@@ -2,10 +2,10 @@
 
 use super::finish::{Finished, excerpt};
 use crate::FlattenError;
+use crate::run::walks;
 use abf_control::Checkpoint;
-use abf_cut::{Chart, FaceWalks};
-use abf_mesh::{CornerId, FaceId, TriMesh, UvId, UvMap, Vector2};
-use std::collections::HashMap;
+use abf_cut::Chart;
+use abf_mesh::{CornerId, FaceId, TriMesh};
 
 /// Parts of a valid map of a piece none of which lies over itself.
 ///
@@ -62,28 +62,4 @@ pub(super) fn part_of(
     metrics.certificate.wound_vertices.iter_mut().for_each(|v| *v = of_chart.vertices[v.index()]);
     let faces = places.iter().map(|&f| chart.faces[f]).collect();
     Ok(Finished { faces, uv, metrics, rungs: chart.rungs.clone(), ..chart.clone() })
-}
-
-/// The walks from face to face in the plane, from middle to middle; `stays` says across which sides faces stay together.
-fn walks(uv: &UvMap, stays: impl Fn(usize, usize) -> bool) -> FaceWalks {
-    let middle = |f: usize| uv.triangle(FaceId::new(f)).iter().fold(Vector2::zeros(), |sum, p| sum + p.coords);
-    let with_length = |f: usize, g: usize| (g, (middle(g) - middle(f)).norm());
-    let beyond = neighbours(uv).into_iter().enumerate();
-    FaceWalks::new(beyond.map(|(f, sides)| sides.map(|g| g.map(|g| with_length(f, g)))).collect(), stays)
-}
-
-/// For every face the faces that share two UV points with it.
-pub(super) fn neighbours(uv: &UvMap) -> Vec<[Option<usize>; 3]> {
-    let faces = uv.corners().as_chunks::<3>().0;
-    let mut first: HashMap<[UvId; 2], (usize, usize)> = HashMap::with_capacity(3 * faces.len() / 2);
-    let mut neighbours = vec![[None; 3]; faces.len()];
-    for (f, [a, b, c]) in faces.iter().enumerate() {
-        for (k, [p, q]) in [[b, c], [c, a], [a, b]].into_iter().enumerate() {
-            if let Some((g, l)) = first.insert([*p.min(q), *p.max(q)], (f, k)) {
-                neighbours[f][k] = Some(g);
-                neighbours[g][l] = Some(f);
-            }
-        }
-    }
-    neighbours
 }

@@ -172,6 +172,8 @@ fn pipeline(args: &MethodArgs) -> Result<Pipeline, clap::Error> {
         layout: LayoutSettings { kind: args.layout, ..LayoutSettings::default() },
         relax: args.energy.map(|energy| Relax { energy, ..Relax::default() }),
         pins: args.pins.as_deref().map(pins).transpose()?,
+        injective: args.injective,
+        boundary_gap: args.boundary_gap.unwrap_or_default(),
         normalize: args.normalize,
         max_memory: args.max_memory.map(|size| size.0),
         ..Pipeline::default()
@@ -229,6 +231,8 @@ fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
             | FlattenError::DescentLayout(_)
             | FlattenError::BoundarySolver(_)
             | FlattenError::RelaxBoundary(_)
+            | FlattenError::InjectiveElsewhere(..)
+            | FlattenError::GapElsewhere
             | FlattenError::PinsElsewhere(_)),
         ) => Err(Refusal::Combination(error.to_string())),
         Err(error) => Err(Refusal::Setting(out_of_range(pipeline, &error).unwrap_or_else(|| chain(&error)))),
@@ -239,7 +243,8 @@ fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
 fn out_of_range(pipeline: &Pipeline, error: &FlattenError) -> Option<String> {
     let (FlattenError::Problem(ProblemError::Setting(setting))
     | FlattenError::Solve { source: SolveError::Setting(setting), .. }
-    | FlattenError::Descent(EmbedError::Setting(setting))) = error
+    | FlattenError::Descent(EmbedError::Setting(setting))
+    | FlattenError::Injective(EmbedError::Setting(setting))) = error
     else {
         return None;
     };

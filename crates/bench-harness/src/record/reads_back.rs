@@ -8,6 +8,7 @@ use super::history::{Ended, Histories, History, Trace};
 use super::json::{Document, SCHEMA, pretty};
 use super::kind::{FailureKind, NotRunKind, Refused};
 use super::location::Location;
+use super::made_injective::MadeInjective;
 use super::not_run::NotRun;
 use super::pins::{PinDistance, Pinned};
 use super::quality::Quality;
@@ -22,8 +23,8 @@ use abf::constraints::AngleProblem;
 use abf::hierarchy::LevelReport;
 use abf::solve_core::SolveError;
 use abf::{
-    AngleSolution, AngleSolver, Energy, IterationRecord, LayoutKind, Observer, Pipeline, Precision, Silent, Solver,
-    SolverKind, StopCriteria, SurfaceHints, Termination, Unwrap, flatten,
+    AngleSolution, AngleSolver, Energy, Injective, IterationRecord, LayoutKind, Observer, Pipeline, Precision, Silent,
+    Solver, SolverKind, StopCriteria, SurfaceHints, Termination, Unwrap, flatten,
 };
 use proptest::prelude::*;
 use proptest::test_runner::TestRng;
@@ -192,6 +193,18 @@ impl Dice {
             }),
             hierarchy: self
                 .maybe(|dice| Hierarchy { levels: dice.some(Self::level), fallback: dice.maybe(Self::text) }),
+            made_injective: self.maybe(|dice| MadeInjective {
+                rule: dice.one_of(&[Injective::Split, Injective::Deform]),
+                overlaps: dice.count(),
+                energy: dice.maybe(|dice| dice.one_of(&[Energy::Abf, Energy::USABLE])),
+                before: dice.maybe(Self::number),
+                after: dice.maybe(Self::number),
+                steps: dice.count(),
+                first_steps: dice.count(),
+                gap: dice.maybe(Self::number),
+                parts: dice.count(),
+                error: dice.maybe(Self::text),
+            }),
             pins: self.maybe(|dice| Pinned {
                 energy: dice.one_of(&[Energy::Isometric, Energy::USABLE]),
                 after: dice.figure(),

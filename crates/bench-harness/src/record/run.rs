@@ -1,6 +1,7 @@
 //! What the solver and the layout did.
 
 use super::figure::{self, known};
+use super::made_injective::MadeInjective;
 use super::pins::Pinned;
 use super::settings::Asked;
 use super::text;
@@ -86,6 +87,9 @@ pub(crate) struct Solved {
     /// What relaxing did; absent where it was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) relaxed: Option<Relaxed>,
+    /// What was done about overlaps; absent where nothing was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) made_injective: Option<MadeInjective>,
     /// What became of pins; absent where there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) pins: Option<Pinned>,
@@ -268,7 +272,8 @@ impl RunRecord {
         let hierarchy = flat.hierarchy.as_ref().map(Hierarchy::new);
         let relaxed = flat.relaxed.as_ref().map(Relaxed::new);
         let pins = flat.pinned.as_ref().map(Pinned::new);
-        let solved = Solved { precision_limits, boundary, hierarchy, relaxed, pins, ..solved };
+        let made_injective = flat.injective.as_ref().map(MadeInjective::new);
+        let solved = Solved { precision_limits, boundary, hierarchy, relaxed, made_injective, pins, ..solved };
         Self { settings: Asked::new(pipeline), solved }
     }
 
@@ -298,7 +303,8 @@ impl Solved {
         let rungs = chart.rungs.iter().map(|rung| RungRecord::new(rung, None)).collect();
         let relaxed = chart.relaxed.as_ref().map(Relaxed::new);
         let solved = Self::new(pipeline, (chart.solver, chart.termination), &chart.solve, &chart.layout, rungs);
-        Self { relaxed, ..solved }
+        let made_injective = chart.injective.as_ref().map(MadeInjective::new);
+        Self { relaxed, made_injective, ..solved }
     }
 
     fn new(
@@ -336,6 +342,7 @@ impl Solved {
             boundary: None,
             hierarchy: None,
             relaxed: None,
+            made_injective: None,
             pins: None,
         }
     }
@@ -373,6 +380,7 @@ impl Solved {
             boundary: None,
             hierarchy: None,
             relaxed: joined(self.relaxed, other.relaxed, Relaxed::and),
+            made_injective: joined(self.made_injective, other.made_injective.clone(), MadeInjective::and),
             pins: None,
         }
     }

@@ -30,8 +30,10 @@ impl<'p, 'a> Energies<'p, 'a> {
     /// What a drawing costs with the energy that is asked for, and with springs.
     pub(crate) fn terms<'t>(&'t self, topology: &'t Topology, springs: &'t [Spring]) -> Terms<'t> {
         match self.energy {
-            Energy::Abf => Terms { topology, triangles: &self.angles, springs },
-            Energy::Isometric | Energy::Slider(_) => Terms { topology, triangles: &self.isometric, springs },
+            Energy::Abf => Terms { topology, triangles: &self.angles, springs, barrier: None },
+            Energy::Isometric | Energy::Slider(_) => {
+                Terms { topology, triangles: &self.isometric, springs, barrier: None }
+            }
         }
     }
 }

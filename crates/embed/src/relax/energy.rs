@@ -34,6 +34,9 @@ pub(crate) trait TriangleEnergy: Sync {
         self.value(face, points)
     }
 
+    /// The size of an energy of a whole drawing that is hardly anything.
+    fn hardly_anything(&self) -> f64;
+
     /// The size of the barrier of a face, whose value may have any sign; 0 where there is none.
     fn barrier_size(&self) -> f64 {
         0.0
@@ -151,7 +154,14 @@ impl Isometric {
     }
 }
 
+/// What is hardly anything per unit of area, or per triangle.
+const HARDLY_ANYTHING: f64 = 0.01;
+
 impl TriangleEnergy for Isometric {
+    fn hardly_anything(&self) -> f64 {
+        HARDLY_ANYTHING
+    }
+
     fn value(&self, face: FaceId, points: &[Point2<f64>; 3]) -> f64 {
         let double_area = orientation(points);
         if !(double_area > 0.0) {
@@ -260,6 +270,10 @@ impl TriangleEnergy for AngleEnergy<'_, '_> {
 
     fn without_barrier(&self, face: FaceId, points: &[Point2<f64>; 3]) -> f64 {
         face.corners().into_iter().zip(angles(points)).map(|(c, x)| self.objective.corner_energy(c.index(), x)).sum()
+    }
+
+    fn hardly_anything(&self) -> f64 {
+        HARDLY_ANYTHING * self.objective.problem.topology().face_count() as f64
     }
 
     fn barrier_size(&self) -> f64 {

@@ -10,6 +10,8 @@
 
 mod energies;
 mod energy;
+mod guard;
+mod injective;
 mod linear;
 mod pinned;
 mod pins;
@@ -26,6 +28,7 @@ use abf_control::{IterationRecord, Observer, StopCriteria, Termination, Watch};
 use abf_mesh::{Point2, Topology, TriMesh};
 use energies::Energies;
 use energy::{Isometric, SymmetricDirichlet};
+pub use injective::{InjectiveDrawing, boundary_gap, check_gap};
 pub use pinned::{PinResidual, PinnedDrawing};
 pub use pins::{Pin, PinError, PinFault, PinWeight, Pins};
 use rest::{rest_shapes, within_reach};
@@ -117,6 +120,21 @@ impl Relax {
     }
 }
 
+impl Relax {
+    /// The energy of a drawing, at the scale at which it is least, without barriers; not finite for one that has flips.
+    ///
+    /// # Panics
+    /// If the problem is not that of `mesh`, or there is not one point for every vertex.
+    #[must_use]
+    pub fn energy_of(&self, mesh: &TriMesh, problem: &AngleProblem<'_>, uv: &[Point2<f64>]) -> f64 {
+        let topology = problem.topology();
+        let energies = Energies::new(self, mesh, problem);
+        let scale = energies.isometric.best_scale(topology, uv);
+        let scaled: Vec<Point2<f64>> = uv.iter().map(|p| p * scale).collect();
+        energies.terms(topology, &[]).without_barrier(&scaled)
+    }
+}
+
 /// A drawing of a surface after some steps towards the least symmetric Dirichlet energy, or as it is if there is no time.
 pub(crate) fn roomier(
     mesh: &TriMesh,
@@ -135,21 +153,22 @@ pub(crate) fn roomier(
     let directions = Directions::new(topology, &[crowded], &mut || watch.checkpoint())?;
     let mut run = Run { is_quiet: true, ..Run::new(&ROOMY, (topology, &[]), uv, directions, mesh.area()) };
     approach(&mut run, &truth, watch)?;
-    run.descend(&Terms { topology, triangles: &truth, springs: &[] }, watch)?;
+    run.descend(&Terms { topology, triangles: &truth, springs: &[], barrier: None }, watch)?;
     Ok(run.uv)
 }
 
 /// Progressive steps, while the drawing is far from the surface.
 fn approach(run: &mut Run<'_>, truth: &Isometric, watch: &mut Watch<'_>) -> Result<(), EmbedError> {
     let topology = run.topology;
-    let is_near = |uv: &[Point2<f64>]| Terms { topology, triangles: truth, springs: &[] }.value(uv) < NEAR;
+    let is_near =
+        |uv: &[Point2<f64>]| Terms { topology, triangles: truth, springs: &[], barrier: None }.value(uv) < NEAR;
     while run.steps.len() < MOST_PROGRESSIVE && run.end(watch).is_none() && !is_near(&run.uv) {
         let (rest, limited) = within_reach(topology, &run.uv, &truth.rest);
         if limited as f64 <= FEW * topology.face_count() as f64 {
             return Ok(());
         }
         let triangles = &Isometric { density: Arc::clone(&truth.density), rest };
-        let outcome = run.step(&Terms { topology, triangles, springs: &[] }, true, watch)?;
+        let outcome = run.step(&Terms { topology, triangles, springs: &[], barrier: None }, true, watch)?;
         // The same step would be found again.
         let has_moved = run.steps.last().is_some_and(|step| step.step_length > 0.0);
         if outcome == Outcome::Stuck || !has_moved {

@@ -1,5 +1,6 @@
 //! The steps of a relaxation.
 
+use super::guard::Guard;
 use super::settings::Relax;
 use super::terms::{Direction, Directions, Terms};
 use crate::drawn::Drawn;
@@ -55,6 +56,8 @@ pub(crate) struct Run<'r> {
     pub(crate) unit: f64,
     /// Whether steps are told of as inner work only.
     pub(crate) is_quiet: bool,
+    /// Keeps the boundary clear of itself, where that is asked for.
+    pub(crate) guard: Option<Guard<'r>>,
 }
 
 /// What came of a step.
@@ -79,7 +82,19 @@ impl<'r> Run<'r> {
     ) -> Self {
         let (tolerance, max_steps, unit) = (relax.energy_tolerance, relax.max_steps, area.sqrt());
         let (steps, reported) = (Vec::new(), Vec::new());
-        Self { topology, uv, directions, steps, reported, mesh_angles, tolerance, max_steps, unit, is_quiet: false }
+        Self {
+            topology,
+            uv,
+            directions,
+            steps,
+            reported,
+            mesh_angles,
+            tolerance,
+            max_steps,
+            unit,
+            is_quiet: false,
+            guard: None,
+        }
     }
 
     /// Steps until there is nothing more to gain.
@@ -118,6 +133,11 @@ impl<'r> Run<'r> {
         is_progressive: bool,
         watch: &mut Watch<'_>,
     ) -> Result<Outcome, Cancelled> {
+        if let Some(guard) = &mut self.guard {
+            guard.follow(&self.uv, terms.size_at_least(&self.uv));
+        }
+        let barrier = self.guard.as_ref().map(|guard| guard.barrier(&self.uv));
+        let terms = &Terms { barrier: barrier.as_ref(), ..*terms };
         let before = terms.value(&self.uv);
         let direction = match self.directions.at(terms, &self.uv, &mut || watch.checkpoint()) {
             Ok(direction) => direction,
@@ -164,13 +184,20 @@ impl<'r> Run<'r> {
         before: f64,
         watch: &mut Watch<'_>,
     ) -> Result<Option<Found>, Cancelled> {
-        let end: f64 = (WAY_TO_COLLAPSE * terms.first_collapse(&self.uv, &direction.motion)).min(1.0);
+        let mut end: f64 = (WAY_TO_COLLAPSE * terms.first_collapse(&self.uv, &direction.motion)).min(1.0);
+        if let Some(barrier) = terms.barrier {
+            end = end.min(WAY_TO_COLLAPSE * barrier.first_contact(&self.uv, &direction.motion, end));
+        }
         for share in std::iter::successors(Some(end), |s| Some(0.5 * s)).take(TRIALS) {
             watch.checkpoint()?;
             let uv: Vec<Point2<f64>> = self.uv.iter().zip(&direction.motion).map(|(p, d)| p + d * share).collect();
             let value = terms.value(&uv);
             let is_enough = value < before && value <= before + SUFFICIENT * share * direction.slope;
-            if is_enough && !winds_twice(self.topology, &uv) {
+            let is_clear = |guard: &Guard<'_>, watch: &mut Watch<'_>| guard.is_clear(&uv, &mut || watch.checkpoint());
+            if is_enough
+                && !winds_twice(self.topology, &uv)
+                && self.guard.as_ref().map_or(Ok(true), |guard| is_clear(guard, watch))?
+            {
                 return Ok(Some(Found { uv, value, share }));
             }
         }

@@ -1,6 +1,7 @@
 //! What a drawing costs, all together, and the direction in which it costs less.
 
 use super::energy::{Derivatives, TriangleEnergy};
+use super::guard::{Barrier, Pair};
 use crate::plane::{first_collapse, of_face};
 use crate::system::FaceSystem;
 use abf_control::{Cancelled, Checkpoint};
@@ -31,6 +32,8 @@ pub(crate) struct Terms<'t> {
     pub(crate) topology: &'t Topology,
     pub(crate) triangles: &'t dyn TriangleEnergy,
     pub(crate) springs: &'t [Spring],
+    /// What keeps parts of the boundary apart.
+    pub(crate) barrier: Option<&'t Barrier<'t>>,
 }
 
 /// Where to go.
@@ -47,7 +50,11 @@ impl Terms<'_> {
     /// The cost; infinite where a triangle is not counter-clockwise.
     pub(crate) fn value(&self, uv: &[Point2<f64>]) -> f64 {
         let of = |face: FaceId| self.triangles.value(face, &of_face(self.topology, uv, face));
-        self.of_blocks(|faces| faces.map(of).sum::<f64>()).into_iter().sum::<f64>() + self.of_springs(uv)
+        let own = self.of_blocks(|faces| faces.map(of).sum::<f64>()).into_iter().sum::<f64>() + self.of_springs(uv);
+        match self.barrier {
+            Some(barrier) if own.is_finite() => own + barrier.value(uv),
+            _ => own,
+        }
     }
 
     /// The cost without the barriers of triangles.
@@ -65,6 +72,11 @@ impl Terms<'_> {
             0.0 => value,
             barrier => self.without_barrier(uv) + barrier * self.topology.face_count() as f64,
         }
+    }
+
+    /// The same, but hardly anything where it is less than that.
+    pub(crate) fn size_at_least(&self, uv: &[Point2<f64>]) -> f64 {
+        self.size(uv, self.value(uv)).abs().max(self.triangles.hardly_anything())
     }
 
     fn of_springs(&self, uv: &[Point2<f64>]) -> f64 {
@@ -92,9 +104,12 @@ impl Terms<'_> {
     }
 }
 
-/// The linear systems of a descent: analysed once.
+/// The linear systems of a descent: analysed once, and again where parts of the boundary come near that were not before.
 pub(crate) struct Directions {
     system: FaceSystem<6>,
+    pinned: Vec<VertexId>,
+    /// The pairs of a vertex and an edge of the boundary that have entries, in order.
+    known: Vec<Pair>,
 }
 
 impl Directions {
@@ -104,7 +119,8 @@ impl Directions {
         pinned: &[VertexId],
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
-        Ok(Self { system: FaceSystem::new(topology, pinned, checkpoint)? })
+        let system = FaceSystem::new(topology, pinned, checkpoint)?;
+        Ok(Self { system, pinned: pinned.to_vec(), known: Vec::new() })
     }
 
     /// The Newton direction with the positive part of the second derivatives.
@@ -114,6 +130,9 @@ impl Directions {
         uv: &[Point2<f64>],
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Direction, LinearError> {
+        if let Some(barrier) = terms.barrier {
+            self.make_room(terms.topology, barrier, uv, checkpoint)?;
+        }
         let gradient = self.assemble(terms, uv, checkpoint)?;
         let factors = self.system.factorise(checkpoint)?;
         let unknown = |v: VertexId| self.system.numbering.unknown(v);
@@ -128,6 +147,23 @@ impl Directions {
         let motion: Vec<Vector2<f64>> = terms.topology.vertices().map(motion_of).collect();
         let slope = gradient.iter().zip(&motion).map(|(g, d)| g.dot(d)).sum();
         Ok(Direction { motion, slope, linear })
+    }
+
+    /// Gives entries to all pairs of the boundary that are near, if those that are in reach have none yet.
+    fn make_room(
+        &mut self,
+        topology: &Topology,
+        barrier: &Barrier<'_>,
+        uv: &[Point2<f64>],
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<(), LinearError> {
+        if barrier.contacts(uv).iter().all(|contact| self.known.binary_search(&contact.pair).is_ok()) {
+            return Ok(());
+        }
+        self.known = barrier.near(uv);
+        let pairs: Vec<(VertexId, VertexId)> = self.known.iter().flat_map(|&pair| barrier.vertices(pair)).collect();
+        self.system = FaceSystem::with_pairs(topology, &self.pinned, &pairs, checkpoint)?;
+        Ok(())
     }
 
     /// Fills the matrix, face by face in their order; returns the gradient.
@@ -155,6 +191,12 @@ impl Directions {
             gradient[spring.vertex.index()] += (uv[spring.vertex.index()] - spring.target) * (2.0 * spring.weight);
             self.system.add_to_diagonal(spring.vertex, 2.0 * spring.weight);
         }
+        for contact in terms.barrier.map_or(Vec::new(), |barrier| barrier.contacts(uv)) {
+            for (v, slope) in contact.vertices.iter().zip(contact.slopes()) {
+                gradient[v.index()] += slope;
+            }
+            self.system.add_triple(contact.vertices, &contact.hessian());
+        }
         Ok(gradient)
     }
 }
@@ -175,7 +217,7 @@ mod tests {
         let uv = tutte(&mesh, &topology).expect("an embedding").uv;
         let springs = [Spring { vertex: VertexId::new(5), target: Point2::new(0.3, 0.4), weight: 2.0 }];
         let energy = Isometric { density: Arc::new(SymmetricDirichlet), rest: rest_shapes(&mesh) };
-        let terms = Terms { topology: &topology, triangles: &energy, springs: &springs };
+        let terms = Terms { topology: &topology, triangles: &energy, springs: &springs, barrier: None };
         let mut directions = Directions::new(&topology, &[], &mut || Ok(())).expect("a pattern");
         let direction = directions.at(&terms, &uv, &mut || Ok(())).expect("a direction");
         let along = |s: f64| -> f64 {

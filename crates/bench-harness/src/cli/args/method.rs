@@ -4,8 +4,8 @@ use super::BoundaryRule;
 use crate::record::InnerAccuracy;
 use crate::record::misread::Misread;
 use abf::{
-    Energy, Hessian, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, UnknownName, WheelForm,
-    ZeroArea,
+    Energy, Hessian, Injective, LayoutKind, LineSearch, Passes, PreconditionerKind, Reduction, SolverKind, UnknownName,
+    WheelForm, ZeroArea,
 };
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::value_parser;
@@ -46,6 +46,13 @@ pub(crate) struct MethodArgs {
     /// 'soft W' after it where the place need not be met. More than two: with --energy, or isometric
     #[arg(long, hide_short_help = true, value_name = "FILE")]
     pub(crate) pins: Option<PathBuf>,
+    /// What becomes of a map that lies over itself: off leaves it, split parts it along the overlap, deform makes it anew
+    /// without overlaps, which takes many times as long. Not with --pins or --boundary
+    #[arg(long, hide_short_help = true, value_name = "off|split|deform", default_value_t, value_parser = one_of::<Injective, _>(["off", "split", "deform"]))]
+    pub(crate) injective: Injective,
+    /// With --injective deform, keep parts of the boundary of a chart this far from each other, in units of the mesh [default: 0]
+    #[arg(long, hide_short_help = true, value_name = "LENGTH", allow_negative_numbers = true)]
+    pub(crate) boundary_gap: Option<f64>,
     /// Scale the UVs into the unit square; otherwise they have the area of the surface, and charts are in it anyway
     #[arg(long)]
     pub(crate) normalize: bool,

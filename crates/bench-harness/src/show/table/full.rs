@@ -1,7 +1,7 @@
 //! One record for people, in full.
 
 use crate::record::number::{count, megabytes, seconds, significant};
-use crate::record::{InnerAccuracy, Kkt, Pinned, Quality, Record, Relaxed, RunRecord, Size, Timings};
+use crate::record::{InnerAccuracy, Kkt, MadeInjective, Pinned, Quality, Record, Relaxed, RunRecord, Size, Timings};
 use crate::show::advice::{ending, lost_in_single};
 use abf::{Boundary, LinAbf, Metrics, Precision, Solver, SolverKind};
 use std::f64::consts::PI;
@@ -76,6 +76,7 @@ fn run_lines(solver: &str, run: &RunRecord) -> Vec<(&'static str, String)> {
     lines.extend(boundary_line(run).map(|line| ("boundary", line)));
     lines.extend(hierarchy_line(run).map(|line| ("levels", line)));
     lines.extend(run.relaxed.as_ref().map(|relaxed| ("relaxed", relaxed_line(relaxed))));
+    lines.extend(run.made_injective.as_ref().map(|made| ("overlaps", made_injective_line(made))));
     lines.extend(run.pins.as_ref().map(|pins| ("pins", pins_line(pins))));
     lines.push(("layout", layout_line(run)));
     lines
@@ -158,6 +159,25 @@ fn relaxed_line(relaxed: &Relaxed) -> String {
         some => format!(", {some} of them progressive"),
     };
     format!("energy {}: {before} → {after} in {steps}{progressive}{start}", relaxed.energy)
+}
+
+/// What was done about overlaps.
+fn made_injective_line(made: &MadeInjective) -> String {
+    let overlaps = count(made.overlaps, "overlap", "overlaps");
+    if let Some(error) = &made.error {
+        return format!("{overlaps}, left as they are: {error}");
+    }
+    let mut parts = vec![format!("{overlaps} before, rule {}", made.rule)];
+    if made.parts > 1 {
+        parts.push(count(made.parts, "part", "parts"));
+    }
+    if let (Some(energy), Some(after)) = (made.energy, made.after) {
+        let before = made.before.map_or_else(|| "unknown".to_owned(), |before| significant(before, DIGITS));
+        let steps = count(made.steps, "step", "steps");
+        parts.push(format!("energy {energy}: {before} → {} in {steps}", significant(after, DIGITS)));
+    }
+    parts.extend(made.gap.map(|gap| format!("smallest gap {}", significant(gap, RESIDUAL_DIGITS))));
+    parts.join(", ")
 }
 
 /// What became of pins.

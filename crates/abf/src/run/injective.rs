@@ -1,0 +1,211 @@
+//! A map that lies over itself made one that does not.
+
+use super::apart::walks;
+use super::relax::upright;
+use super::task::{Certified, Given, Single, Task};
+use crate::settings::Injective;
+use crate::{FlattenError, Flattening, InjectiveReport, LayoutReport, PrecisionLimits};
+use abf_control::{Event, Observer, Stage, StopCriteria, Termination, ask};
+use abf_embed::{EmbedError, Energy, InjectiveDrawing, Relax, boundary_gap, vertex_points};
+use abf_mesh::{FaceId, Point2, UvId, UvMap, Vector2};
+use abf_metrics::certify_asking;
+
+/// The distance between parts side by side, as a part of the side of a square as large as the map.
+const BETWEEN_PARTS: f64 = 1.0 / 64.0;
+
+/// Makes a map injective as the pipeline says. One that is, and has the gap that is asked for, stays as it is, and so does one
+/// that was interrupted.
+pub(super) fn made_injective(
+    given: Given<'_>,
+    flat: Flattening,
+    stop: &StopCriteria,
+    observer: &mut dyn Observer,
+) -> Result<Flattening, FlattenError> {
+    let rule = given.pipeline.injective;
+    if rule == Injective::Off || flat.termination.is_interruption() || is_enough(&given, &flat) {
+        return Ok(flat);
+    }
+    match rule {
+        Injective::Off => Ok(flat),
+        Injective::Split => split(given, flat, observer),
+        Injective::Deform => deformed(given, flat, stop, observer),
+    }
+}
+
+fn is_enough(given: &Given<'_>, flat: &Flattening) -> bool {
+    let asked = given.pipeline.boundary_gap;
+    flat.certificate.injective() && (asked == 0.0 || gap_of(given, &flat.uv).is_none_or(|gap| gap >= asked))
+}
+
+/// The smallest distance between parts of the boundary of a map with one point per vertex.
+fn gap_of(given: &Given<'_>, uv: &UvMap) -> Option<f64> {
+    let topology = given.problem.topology();
+    // Squares of distances would underflow at another scale.
+    let scale = if given.pipeline.normalize { 1.0 } else { given.scale };
+    let points: Vec<Point2<f64>> = vertex_points(topology, uv).ok()?.into_iter().map(|p| p * scale).collect();
+    boundary_gap(topology, &points).map(|gap| gap / scale)
+}
+
+/// A map from Tutte's embedding that never lay over itself.
+fn deformed(
+    given: Given<'_>,
+    flat: Flattening,
+    stop: &StopCriteria,
+    observer: &mut dyn Observer,
+) -> Result<Flattening, FlattenError> {
+    ask(observer, Event::StageStarted(Stage::Relax))?;
+    let relax = given.pipeline.relax.unwrap_or(Relax { energy: Energy::Abf, ..Relax::default() });
+    // A power of two moves no bit.
+    let gap = given.pipeline.boundary_gap * given.scale;
+    let before = upright(&given, &flat).map(|uv| relax.energy_of(given.mesh, given.problem, &uv));
+    let report = InjectiveReport {
+        rule: Injective::Deform,
+        overlaps: flat.certificate.overlaps(),
+        energy: Some(relax.energy),
+        before: before.filter(|before| before.is_finite()),
+        after: None,
+        steps: 0,
+        first_steps: 0,
+        gap: None,
+        parts: 1,
+        error: None,
+    };
+    match relax.solve_injective(given.mesh, given.problem, gap, stop, observer) {
+        Ok(drawing) => placed(given, flat, &drawing, report, observer),
+        Err(EmbedError::Cancelled(cancelled)) => Err(cancelled.into()),
+        Err(EmbedError::Interrupted(termination)) => Ok(Flattening { termination, ..flat }),
+        Err(error) => {
+            let report = InjectiveReport { error: Some(FlattenError::Injective(error)), ..report };
+            Ok(Flattening { termination: Termination::Stalled, injective: Some(report), ..flat })
+        }
+    }
+}
+
+/// A drawing put where every layout is, if it is injective there as it will be stored.
+fn placed(
+    given: Given<'_>,
+    flat: Flattening,
+    drawing: &InjectiveDrawing,
+    report: InjectiveReport,
+    observer: &mut dyn Observer,
+) -> Result<Flattening, FlattenError> {
+    ask(observer, Event::StageStarted(Stage::Certificate))?;
+    let task = Task::new(given, flat.solver, Single::SurfaceAngles);
+    let mut best: Option<(Certified, bool, bool)> = None;
+    for (uv, pinned, scaled) in task.placements(&drawing.uv, drawing.area_matched) {
+        let certified = task.certified(uv, observer)?;
+        let is_injective = certified.certificate.injective();
+        if is_injective || best.is_none() {
+            best = Some((certified, pinned, scaled));
+        }
+        if is_injective {
+            break;
+        }
+    }
+    let (Certified { uv, mut certificate }, pinned, scaled) = best.expect("there is always the drawing as it is");
+    let is_missed = !certificate.injective() && drawing.termination.is_as_asked();
+    certificate.constraint_residual = flat.certificate.constraint_residual;
+    let report = InjectiveReport {
+        after: Some(drawing.energy).filter(|after| after.is_finite()),
+        steps: drawing.steps.len(),
+        first_steps: drawing.first_steps,
+        gap: gap_of(&given, &uv),
+        ..report
+    };
+    Ok(Flattening {
+        precision_limits: PrecisionLimits::of(&certificate, &[]),
+        uv,
+        certificate,
+        // The digits that are stored may not hold it.
+        termination: if is_missed { Termination::Stalled } else { drawing.termination },
+        layout: LayoutReport { pinned, scaled, ..flat.layout },
+        injective: Some(report),
+        ..flat
+    })
+}
+
+/// A valid map parted along its overlaps, the parts side by side. One that is not valid stays as it is.
+fn split(given: Given<'_>, flat: Flattening, observer: &mut dyn Observer) -> Result<Flattening, FlattenError> {
+    if !flat.certificate.valid() {
+        return Ok(flat);
+    }
+    ask(observer, Event::StageStarted(Stage::Certificate))?;
+    let parts = parts(&given, &flat, observer)?;
+    let precision = given.pipeline.precision;
+    let uv = side_by_side(&flat.uv, &parts);
+    let uv = if given.pipeline.normalize { uv.normalized() } else { uv };
+    let uv = uv.mapped(|p| p.map(|x| precision.round(x)));
+    let checkpoint = &mut || ask(observer, Event::Working);
+    let mut certificate = certify_asking(given.original, &uv, precision, checkpoint)?;
+    let is_missed = !certificate.injective() && flat.termination.is_as_asked();
+    certificate.constraint_residual = flat.certificate.constraint_residual;
+    let report = InjectiveReport {
+        rule: Injective::Split,
+        overlaps: flat.certificate.overlaps(),
+        energy: None,
+        before: None,
+        after: None,
+        steps: 0,
+        first_steps: 0,
+        gap: None,
+        parts: parts.len(),
+        error: None,
+    };
+    Ok(Flattening {
+        precision_limits: PrecisionLimits::of(&certificate, &[]),
+        uv,
+        certificate,
+        termination: if is_missed { Termination::Stalled } else { flat.termination },
+        layout: LayoutReport { pinned: false, ..flat.layout },
+        injective: Some(report),
+        ..flat
+    })
+}
+
+/// The faces of every part, ascending; the part with the first face first.
+fn parts(given: &Given<'_>, flat: &Flattening, observer: &mut dyn Observer) -> Result<Vec<Vec<FaceId>>, FlattenError> {
+    let mut waiting: Vec<Vec<FaceId>> = vec![given.problem.topology().faces().collect()];
+    let mut done: Vec<Vec<FaceId>> = Vec::new();
+    while let Some(faces) = waiting.pop() {
+        let checkpoint = &mut || ask(observer, Event::Working);
+        let corners = || faces.iter().map(|f| f.corners());
+        let mesh = given.original.submesh(corners()).mesh;
+        let uv = flat.uv.submap(corners());
+        let certificate = certify_asking(&mesh, &uv, given.pipeline.precision, checkpoint)?;
+        let pair = certificate.overlapping_faces.first().copied().filter(|[one, other]| one != other);
+        let Some([one, other]) = pair.filter(|_| certificate.overlaps() > 0) else {
+            done.push(faces);
+            continue;
+        };
+        let is_others = walks(&uv, |_, _| false).nearer_to_second(one.index(), other.index(), checkpoint)?;
+        for side in [true, false] {
+            let part = faces.iter().zip(&is_others).filter(|&(_, &other)| other == side).map(|(&face, _)| face);
+            waiting.push(part.collect());
+        }
+    }
+    done.sort_by_key(|faces| faces[0]);
+    Ok(done)
+}
+
+/// The parts in a row, each with points of its own.
+fn side_by_side(uv: &UvMap, parts: &[Vec<FaceId>]) -> UvMap {
+    let distance = BETWEEN_PARTS * uv.signed_area().abs().sqrt();
+    let mut points: Vec<Point2<f64>> = Vec::new();
+    let mut corners = uv.corners().to_vec();
+    let mut right = 0.0;
+    for faces in parts {
+        let part = uv.submap(faces.iter().map(|f| f.corners()));
+        let low = part.points().iter().copied().reduce(|a, b| a.inf(&b)).expect("a part has faces");
+        let high = part.points().iter().copied().reduce(|a, b| a.sup(&b)).expect("a part has faces");
+        let shift = Vector2::new(right, 0.0) - low.coords;
+        let begin = points.len();
+        points.extend(part.points().iter().map(|p| p + shift));
+        right += high.x - low.x + distance;
+        for (face, own) in faces.iter().zip(part.corners().as_chunks::<3>().0) {
+            for (corner, point) in face.corners().into_iter().zip(own) {
+                corners[corner.index()] = UvId::new(begin + point.index());
+            }
+        }
+    }
+    UvMap::new(points, corners)
+}
