@@ -38,6 +38,7 @@ from ._relax import relax
 from ._results import (
     Certificate,
     Flattening,
+    InjectiveReport,
     MeshFile,
     Metrics,
     Packed,
@@ -58,6 +59,7 @@ __all__ = [
     "Flattening",
     "FormatError",
     "GeometryError",
+    "InjectiveReport",
     "MeshFile",
     "Metrics",
     "NoResultError",

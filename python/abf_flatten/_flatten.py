@@ -13,6 +13,7 @@ from ._results import Flattening, with_reports
 from ._types import (
     Energy,
     Hessian,
+    Injective,
     Layout,
     LineSearch,
     OnProgress,
@@ -35,6 +36,8 @@ def flatten(
     boundary: str | Mapping[int, float] = "free",
     energy: Energy | None = None,
     pins: Pins | None = None,
+    injective: Injective = "off",
+    boundary_gap: float | None = None,
     zero_area: ZeroArea = "carry",
     time_limit: float | None = None,
     max_memory: int | None = None,
@@ -70,6 +73,10 @@ def flatten(
         pins: Vertices in given places: a dict from vertices to (u, v), or (u, v, weight) where the place need not be met.
             One or two are met by moving, turning and scaling the map, more by moving the others with `energy`, or
             "isometric". Not with `boundary` or `normalize`.
+        injective: What becomes of a map that lies over itself: "off" leaves it, "split" parts it along the overlap (`uv_faces`
+            has the rows of the corners then), "deform" makes it anew without overlaps, which takes many times as long. Not
+            with `pins` or `boundary`.
+        boundary_gap: With "deform", how far parts of the boundary stay from each other, in units of the mesh [0].
         zero_area: What becomes of faces without area: a place like all others, or an error.
         time_limit: Seconds, for all solvers together; then the best there is comes back.
         max_memory: Bytes. A mesh for which more is predicted is refused, before any is taken.

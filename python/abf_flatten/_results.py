@@ -109,6 +109,29 @@ class RelaxReport:
 
 
 @dataclass(frozen=True)
+class InjectiveReport:
+    """What was done about a map that lay over itself."""
+
+    #: By which rule: "split" or "deform".
+    rule: str
+    #: How many overlaps there were.
+    overlaps: int
+    #: Which energy was least at the end, what it was before, with the overlaps, and what it is; None of a map that was parted.
+    energy: str | None
+    before: float | None
+    after: float | None
+    #: How many steps it took, and how many of these went for lengths first.
+    steps: int
+    first_steps: int
+    #: The smallest distance of a boundary vertex and a boundary edge, in units of the UVs; None where it is not known.
+    gap: float | None
+    #: In how many parts the map is.
+    parts: int
+    #: Why the map is as it was.
+    error: str | None
+
+
+@dataclass(frozen=True)
 class PinReport:
     """What became of pins. It is true if all that must be met are."""
 
@@ -156,6 +179,10 @@ class Flattening(Judged):
     #: What `energy` did, and what became of `pins`; None where they were not asked for, or there was no map or no time.
     relaxed: RelaxReport | None = field(repr=False, default=None)
     pinned: PinReport | None = field(repr=False, default=None)
+    #: What `injective` did; None where nothing was to be done.
+    injective: InjectiveReport | None = field(repr=False, default=None)
+    #: (m, 3) uint32: the row of `uv` of every corner of a map in parts, which has more rows than vertices; else None.
+    uv_faces: NDArray[np.uint32] | None = field(repr=False, default=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,6 +293,8 @@ def with_reports(known: dict[str, Any]) -> dict[str, Any]:
         known["relaxed"] = RelaxReport(**known["relaxed"])
     if known.get("charts") is not None:
         known["charts"] = [report and RelaxReport(**report) for report in known["charts"]]
+    if known.get("injective") is not None:
+        known["injective"] = InjectiveReport(**known["injective"])
     if known["pinned"] is not None:
         known["pinned"] = PinReport(**known["pinned"])
     return known

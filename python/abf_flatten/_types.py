@@ -47,6 +47,7 @@ InnerMargin = Literal["count", "keep"]
 Overlap = Literal["refuse", "allow"]
 #: What is to be little in a map; a number is the weight of areas beside angles.
 Energy = Union[Literal["abf", "isometric", "usable"], float]
+Injective = Literal["off", "split", "deform"]
 #: Vertices with their places: (u, v), or (u, v, weight) where the place need not be met.
 Pins = Mapping[int, Union[Sequence[float], NDArray[Any]]]
 OnProgress = Callable[["Progress"], object]

@@ -15,6 +15,7 @@ from ._types import (
     Energy,
     Hessian,
     Holes,
+    Injective,
     InnerMargin,
     Layout,
     LineSearch,
@@ -38,6 +39,7 @@ def unwrap(
     layout: Layout = "auto",
     zero_area: ZeroArea = "carry",
     energy: Energy | None = None,
+    injective: Injective = "off",
     seams: Literal["auto", "keep"] | ArrayLike | None = None,
     uv: ArrayLike | None = None,
     uv_faces: ArrayLike | None = None,
@@ -91,6 +93,8 @@ def unwrap(
         faces: (m, 3) whole numbers from 0 to n - 1.
         solver, layout, zero_area: As for `flatten`.
         energy: As for `flatten`: each chart is relaxed, and its stretch after that counts.
+        injective: As for `flatten`, of each chart. Charts that lie over themselves are parted in any case: "deform"
+            makes them anew first.
         seams: Where charts end. "auto": where the map stretches. "keep": at the seams of `uv`, and where `materials`
             changes. An (s, 2) array: there, and at these edges, each given by its two vertices. What seams leave is
             cut further only where it is no disk, or misses the aim. None is "auto", and "keep" for pages per material.

@@ -121,6 +121,22 @@ def test_vertices_are_pinned(disk: Mesh) -> None:
     assert missed.pinned is not None and not missed.pinned and missed.pinned.missed
 
 
+def test_a_map_that_lies_over_itself_is_parted_or_deformed() -> None:
+    # A flat ramp that winds around its axis more than once.
+    turns = strip(2.4 * np.pi)
+    turns[0][:, 2] = np.repeat(np.linspace(0, 1, 97), 5)
+    free = abf.flatten(*turns)
+    assert free.certificate.valid and not free.certificate.injective and free.injective is None
+    deformed = abf.flatten(*turns, injective="deform")
+    assert deformed.certificate.injective and deformed.injective is not None and deformed.injective.parts == 1
+    assert deformed.uv_faces is None and deformed.injective.steps > 0
+    parted = abf.flatten(*turns, injective="split")
+    assert parted.certificate.injective and parted.injective is not None and parted.injective.parts > 1
+    assert parted.uv_faces is not None and len(parted.uv) > len(turns[0])
+    assert abf.certify(*turns, parted.uv, parted.uv_faces).injective
+    assert abf.flatten(*bumpy(20), injective="deform").injective is None
+
+
 def test_a_map_that_is_there_is_relaxed(disk: Mesh, ring: Mesh) -> None:
     vertices, faces = disk
     flat = abf.flatten(vertices, faces, solver="lscm", normalize=True)

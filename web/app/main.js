@@ -112,7 +112,7 @@ function progress(event) {
     const of = event.components > 1 ? `component ${event.component + 1} of ${event.components}, ` : "";
     say(`Unwrapping: ${of}round ${event.round + 1}, ${event.facesDone} of ${event.faces} triangles done`);
   } else if (event.kind === "iteration") {
-    const residual = Number.isFinite(event.residual) ? `: residual ${event.residual.toExponential(1)}` : "";
+    const residual = event.stage !== "relax" && Number.isFinite(event.residual) ? `: residual ${event.residual.toExponential(1)}` : "";
     say(`${event.stage === "relax" ? "Relaxing, step" : "Iteration"} ${event.iteration}${residual}`);
   }
 }
@@ -234,6 +234,7 @@ function chosen() {
 async function compare() {
   if (!mesh || worker.busy) return;
   const runs = [];
+  const failed = [];
   try {
     for (const solver of chosen()) {
       const points = [];
@@ -244,15 +245,25 @@ async function compare() {
       };
       const job = worker.flatten(mesh.positions, mesh.indices, { solver, onProgress: hear });
       enable();
-      const flat = await job;
-      runs.push({ solver, points, flat, seconds: (performance.now() - began) / 1000 });
+      try {
+        const flat = await job;
+        runs.push({ solver, points, flat, seconds: (performance.now() - began) / 1000 });
+      } catch (error) {
+        if (error.code === "not-a-disk") throw error;
+        failed.push(error.code === "cancelled" ? "Cancelled." : `${solver}: ${error.message}`);
+        if (error.code === "cancelled") break;
+      }
     }
-    $("curves").querySelector("div").replaceChildren(...curves(runs), layouts(mesh, runs));
-    $("curves").hidden = false;
-    say(`${runs.length} solvers on ${mesh.indices.length / 3} triangles`);
+    // What is finished is shown.
+    if (runs.length > 0) {
+      $("curves").querySelector("div").replaceChildren(...curves(runs), layouts(mesh, runs));
+      $("curves").hidden = false;
+    }
+    const done = `${runs.length} solvers on ${mesh.indices.length / 3} triangles`;
+    const cancelledAtOnce = runs.length === 0 && failed.length === 1 && failed[0] === "Cancelled.";
+    say([...(runs.length > 0 ? [done] : []), ...failed].join("; "), failed.length > 0 && !cancelledAtOnce);
   } catch (error) {
-    const hint = error.code === "not-a-disk" ? ": only disks are compared" : "";
-    say(error.code === "cancelled" ? "Cancelled." : error.message + hint, error.code !== "cancelled");
+    say(error.message + (error.code === "not-a-disk" ? ": only disks are compared" : ""), true);
   } finally {
     enable();
   }

@@ -33,6 +33,8 @@ const COMMON = {
   maxInnerIterations: "max_inner_iterations",
   innerTolerance: "inner_tolerance",
   energy: "energy",
+  injective: "injective",
+  boundaryGap: "boundary_gap",
 };
 /** Those of `unwrap` alone. */
 const CHARTS = {

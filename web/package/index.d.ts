@@ -76,6 +76,13 @@ export interface CommonOptions {
   innerTolerance?: number;
   /** Relax the map, or each chart, until this energy is least; "usable" is 0.01. Not with a boundary. Default: the map stays. */
   energy?: Energy;
+  /**
+   * What becomes of a map that lies over itself: "off" leaves it, "split" parts it along the overlap (`indices` and `remap` are there
+   * then), "deform" makes it anew without overlaps, which takes many times as long. Default "off"; charts are parted in any case.
+   */
+  injective?: "off" | "split" | "deform";
+  /** With "deform", how far parts of the boundary stay from each other, in units of the mesh; default 0. */
+  boundaryGap?: number;
   /** Hears of progress on the thread that works. What it throws comes out of the call. */
   onProgress?: (event: Progress) => Verdict;
 }
@@ -212,15 +219,18 @@ export interface Quality {
   /** The energy before and at the end, for a surface of area 1; of several charts the mean by area. 0 without steps. */
   energyBefore: number;
   energyAfter: number;
-  /** How many pins must be met and are not. */
+  /** How many pins must be met and are not, of those that were tried. */
   pinsMissed: number;
   /** How far each pinned vertex is from its place, in the order of `pins`. */
   pinDistances?: Float64Array;
 }
 
 export interface Flattened extends Quality {
-  /** u and v of every vertex of the input. */
+  /** u and v of every vertex of the input; or of every row, where the map was parted. */
   uv: Float64Array;
+  /** Where the map was parted: the row of every index, and the vertex of every row. */
+  indices?: Uint32Array;
+  remap?: Uint32Array;
 }
 
 export interface Relaxed extends Quality {

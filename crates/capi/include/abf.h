@@ -370,7 +370,7 @@ typedef struct AbfView {
   size_t pin_count;
   // How far each pinned vertex is from its place, in units of the UVs, in the order of the options; else null.
   const double *pin_distances;
-  // How many pins must be met and are not.
+  // How many pins must be met and are not, of those that were tried: without any, `pin_count` is 0.
   size_t pins_missed;
 } AbfView;
 

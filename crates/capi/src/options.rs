@@ -157,6 +157,11 @@ pub struct AbfOptions {
     pub pin_weights: *const f64,
     /// How many there are.
     pub pin_count: usize,
+    /// What becomes of a map that lies over itself: "off" leaves it, "split" parts it along the overlap, "deform" makes it anew
+    /// without overlaps, which takes many times as long. `abf_unwrap` parts charts in any case.
+    pub injective: *const c_char,
+    /// With "deform", how far parts of the boundary stay from each other, in units of the mesh.
+    pub boundary_gap: f64,
 }
 
 impl AbfOptions {
@@ -184,7 +189,7 @@ macro_rules! names {
 
 names! {
     solver, layout, weld, holes, double_sided, pack, zero_area, boundary, wheel, hessian, line_search, reduction,
-    preconditioner, inner_margin, atlas, overlap, seams, energy,
+    preconditioner, inner_margin, atlas, overlap, seams, energy, injective,
 }
 
 /// What a call is told.
@@ -264,6 +269,8 @@ fn flattening(unwrapper: &mut ArrayUnwrapper, options: &AbfOptions, names: &Name
     }
     pipeline.max_memory = Some(options.max_memory).filter(|&bytes| bytes != 0);
     pipeline.normalize = options.normalize != 0;
+    named(&mut pipeline.injective, names.injective.as_deref())?;
+    pipeline.boundary_gap = options.boundary_gap;
     pipeline.relax = parsed(names.energy.as_deref())?.map(|energy| Relax { energy, ..Relax::default() });
     Ok(())
 }

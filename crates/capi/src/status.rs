@@ -167,6 +167,9 @@ fn of_flatten(error: &FlattenError) -> AbfStatus {
         | FlattenError::RelaxBoundary(_)
         | FlattenError::Pins(_)
         | FlattenError::PinsElsewhere(_)
+        | FlattenError::InjectiveElsewhere(..)
+        | FlattenError::GapElsewhere
+        | FlattenError::Injective(EmbedError::Setting(_))
         | FlattenError::DescentLayout(_)
         | FlattenError::LscmLayout(_) => AbfStatus::Setting,
         FlattenError::Memory { .. } => AbfStatus::Memory,

@@ -111,7 +111,7 @@ pub struct AbfView {
     pub pin_count: usize,
     /// How far each pinned vertex is from its place, in units of the UVs, in the order of the options; else null.
     pub pin_distances: *const f64,
-    /// How many pins must be met and are not.
+    /// How many pins must be met and are not, of those that were tried: without any, `pin_count` is 0.
     pub pins_missed: usize,
 }
 
@@ -178,17 +178,21 @@ fn pins(report: Option<&PinReport>) -> (Vec<f64>, usize) {
 impl AbfResult {
     pub(crate) fn of_disk(mesh: &TriMesh, flat: &Flattening, metrics: Metrics) -> Self {
         let (pins, missed) = pins(flat.pinned.as_ref());
+        // A map in parts has more points than vertices.
+        let parts = flat.injective.as_ref().map_or(1, |report| report.parts);
+        let (uv64, remap, indices) =
+            if parts > 1 { per_corner(mesh, &flat.uv) } else { (per_vertex(mesh, &flat.uv), Vec::new(), Vec::new()) };
         Self {
             energy: Energies::of(flat.relaxed.iter().map(|report| (report, 1.0))),
             pins,
             missed,
-            uv64: per_vertex(mesh, &flat.uv),
+            uv64,
             uv32: Vec::new(),
-            remap: Vec::new(),
-            indices: Vec::new(),
+            remap,
+            indices,
             triangle_charts: Vec::new(),
             chart_pages: Vec::new(),
-            charts: 1,
+            charts: parts,
             unfinished: 0,
             page: [0; 2],
             pages: 0,

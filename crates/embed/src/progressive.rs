@@ -57,7 +57,7 @@ pub(crate) fn first_drawing_watched(
         Ok(TutteEmbedding { uv, spacing, weights }) => {
             return Ok(FirstDrawing { uv, tutte: Some((spacing, weights)) });
         }
-        Err(error @ EmbedError::TutteFlipped { .. }) => error,
+        Err(error @ (EmbedError::TutteFlipped { .. } | EmbedError::Linear(_))) => error,
         Err(error) => return Err(error),
     };
     match progressive(mesh, topology, watch)? {

@@ -178,28 +178,36 @@ fn distances(graph: &Graph, start: usize) -> (Vec<u32>, usize) {
     (distance, last)
 }
 
-/// A graph in several pieces needs no separator: whole components, until the first side has half of the vertices.
+/// A graph in several pieces needs no separator: whole components, the largest first, each to the side that has less so far.
 fn components(graph: &Graph) -> Vec<u8> {
     let size = graph.vertex_count();
-    let (mut side, mut stack) = (vec![SECOND; size], Vec::new());
-    let (mut reached, mut next) = (0, 0);
-    while reached < size / 2 || reached == 0 {
-        if side[next] == SECOND {
-            side[next] = FIRST;
-            stack.push(next as u32);
+    let (mut component, mut members, mut stack) = (vec![NONE; size], Vec::new(), Vec::new());
+    for start in 0..size {
+        if component[start] != NONE {
+            continue;
         }
+        let (own, mut count) = (members.len() as u32, 0_usize);
+        component[start] = own;
+        stack.push(start as u32);
         while let Some(v) = stack.pop() {
-            reached += 1;
+            count += 1;
             for &n in graph.neighbours(v as usize) {
-                if side[n as usize] == SECOND {
-                    side[n as usize] = FIRST;
+                if component[n as usize] == NONE {
+                    component[n as usize] = own;
                     stack.push(n);
                 }
             }
         }
-        next += 1;
+        members.push(count);
     }
-    side
+    let mut largest_first: Vec<usize> = (0..members.len()).collect();
+    largest_first.sort_by_key(|&c| std::cmp::Reverse(members[c]));
+    let (mut side, mut sizes) = (vec![FIRST; members.len()], [0_usize; 2]);
+    for c in largest_first {
+        side[c] = if sizes[0] <= sizes[1] { FIRST } else { SECOND };
+        sizes[side[c] as usize] += members[c];
+    }
+    component.into_iter().map(|c| side[c as usize]).collect()
 }
 
 fn averaged(graph: &Graph, key: &[f32]) -> Vec<f32> {
@@ -318,6 +326,14 @@ mod tests {
         let graph = sheet(120);
         let order = |threads| with_threads(threads, || graph.nested_dissection(&mut || Ok(())).expect("an ordering"));
         assert_eq!(order(1), order(2));
+    }
+
+    #[test]
+    fn a_large_component_is_alone_on_its_side_wherever_it_comes() {
+        let graph = Graph::from_edges(2000, (2..2000).map(|v| (v - 1, v)));
+        let side = sides(&graph);
+        assert_ne!(side[0], side[1]);
+        assert!(side[1..].iter().all(|&s| s == side[1]));
     }
 
     #[test]

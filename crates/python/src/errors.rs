@@ -139,6 +139,9 @@ fn of_flatten(error: &FlattenError) -> Kind {
         | FlattenError::RelaxBoundary(_)
         | FlattenError::Pins(_)
         | FlattenError::PinsElsewhere(_)
+        | FlattenError::InjectiveElsewhere(..)
+        | FlattenError::GapElsewhere
+        | FlattenError::Injective(EmbedError::Setting(_))
         | FlattenError::Descent(EmbedError::Setting(_))
         | FlattenError::Relax(EmbedError::Setting(_))
         | FlattenError::Solve { source: SolveError::Setting(_) | SolveError::Unsupported(_), .. } => Kind::Setting,

@@ -1,8 +1,8 @@
 //! `flatten`: a disk to the plane.
 
-use crate::arrays::{Given, Rows, out2};
+use crate::arrays::{Given, Rows, indices_of_uv, out2, xy};
 use crate::errors::Raised;
-use crate::results::{metrics, pinned, relaxed};
+use crate::results::{injective, metrics, pinned, relaxed};
 use crate::settings::Keywords;
 use crate::supervise::Supervision;
 use abf::mesh::TriMesh;
@@ -22,14 +22,20 @@ pub(crate) fn flatten<'py>(
     let (pipeline, threads) = (keywords.pipeline()?, keywords.threads()?);
     let given = Given::new(vertices, faces);
     let supervision = Supervision::new(threads, progress, given.face_count());
-    let (uv, flat, measured) = supervision.run(py, |observer| {
+    let (uv, rows, flat, measured) = supervision.run(py, |observer| {
         let mesh = given.mesh()?;
         let flat = pipeline.run(&mesh, observer).map_err(Raised::raised)?;
         let measured = flat.metrics(&mesh).map_err(Raised::raised)?;
-        Ok((per_vertex(&mesh, &flat.uv), flat, measured))
+        let parts = flat.injective.as_ref().map_or(1, |report| report.parts);
+        // A map in parts has more points than vertices.
+        let rows = (parts > 1).then(|| indices_of_uv(&flat.uv));
+        let uv = if rows.is_some() { xy(flat.uv.points()) } else { per_vertex(&mesh, &flat.uv) };
+        Ok((uv, rows, flat, measured))
     })?;
     let out = PyDict::new(py);
     out.set_item("uv", out2(py, uv)?)?;
+    out.set_item("uv_faces", rows.map(|rows| out2(py, rows)).transpose()?)?;
+    out.set_item("injective", flat.injective.as_ref().map(|report| injective(py, report)).transpose()?)?;
     out.set_item("metrics", metrics(py, &measured)?)?;
     out.set_item("solver", flat.solver.name())?;
     out.set_item("termination", flat.termination.to_string())?;

@@ -1,6 +1,7 @@
 //! What is known of a map, as a dict.
 
-use abf::{Certificate, Metrics, PinReport, RelaxReport};
+use crate::errors::chain;
+use abf::{Certificate, InjectiveReport, Metrics, PinReport, RelaxReport};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -56,6 +57,22 @@ pub(crate) fn relaxed<'py>(py: Python<'py>, report: &RelaxReport) -> PyResult<Bo
     out.set_item("steps", report.steps)?;
     out.set_item("progressive_steps", report.progressive_steps)?;
     out.set_item("from_tutte", report.from_tutte)?;
+    Ok(out)
+}
+
+/// The fields of `abf_flatten.InjectiveReport`.
+pub(crate) fn injective<'py>(py: Python<'py>, report: &InjectiveReport) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("rule", report.rule.name())?;
+    out.set_item("overlaps", report.overlaps)?;
+    out.set_item("energy", report.energy.map(|energy| energy.to_string()))?;
+    out.set_item("before", report.before)?;
+    out.set_item("after", report.after)?;
+    out.set_item("steps", report.steps)?;
+    out.set_item("first_steps", report.first_steps)?;
+    out.set_item("gap", report.gap)?;
+    out.set_item("parts", report.parts)?;
+    out.set_item("error", report.error.as_ref().map(|error| chain(error)))?;
     Ok(out)
 }
 

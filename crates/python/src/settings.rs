@@ -110,6 +110,8 @@ impl<'py> Keywords<'py> {
             },
             relax: self.relax()?,
             pins: self.pins()?,
+            injective: self.choice("injective")?.unwrap_or_default(),
+            boundary_gap: self.value("boundary_gap")?.unwrap_or_default(),
             layout: LayoutSettings {
                 kind: self.choice::<LayoutKind>("layout")?.unwrap_or_default(),
                 ..LayoutSettings::default()

@@ -74,6 +74,7 @@ fn deformed(
         Ok(drawing) => placed(given, flat, &drawing, report, observer),
         Err(EmbedError::Cancelled(cancelled)) => Err(cancelled.into()),
         Err(EmbedError::Interrupted(termination)) => Ok(Flattening { termination, ..flat }),
+        Err(error @ EmbedError::Setting(_)) => Err(FlattenError::Injective(error)),
         Err(error) => {
             let report = InjectiveReport { error: Some(FlattenError::Injective(error)), ..report };
             Ok(Flattening { termination: Termination::Stalled, injective: Some(report), ..flat })
@@ -151,11 +152,17 @@ fn split(given: Given<'_>, flat: Flattening, observer: &mut dyn Observer) -> Res
         parts: parts.len(),
         error: None,
     };
+    let termination = if is_missed { Termination::Stalled } else { flat.termination };
+    // The digits that are stored may not hold the parts so far from the origin.
+    if !certificate.valid() {
+        let report = InjectiveReport { parts: 1, ..report };
+        return Ok(Flattening { termination, injective: Some(report), ..flat });
+    }
     Ok(Flattening {
         precision_limits: PrecisionLimits::of(&certificate, &[]),
         uv,
         certificate,
-        termination: if is_missed { Termination::Stalled } else { flat.termination },
+        termination,
         layout: LayoutReport { pinned: false, ..flat.layout },
         injective: Some(report),
         ..flat

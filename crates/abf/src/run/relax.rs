@@ -11,11 +11,11 @@ use abf_mesh::{Point2, UvMap, VertexId};
 pub(super) fn relaxed(
     given: Given<'_>,
     relax: &Relax,
-    flat: Flattening,
+    mut flat: Flattening,
     stop: &StopCriteria,
     observer: &mut dyn Observer,
 ) -> Result<Flattening, FlattenError> {
-    let Some((start, from_tutte)) = begin(&given, &flat, stop, observer)? else { return Ok(flat) };
+    let Some((start, from_tutte)) = begin(&given, &mut flat, stop, observer)? else { return Ok(flat) };
     let drawing = relax.solve(given.mesh, given.problem, &start, stop, observer).map_err(FlattenError::of_relaxing)?;
     ask(observer, Event::StageStarted(Stage::Certificate))?;
     let task = Task::new(given, flat.solver, Single::SurfaceAngles);
@@ -51,11 +51,11 @@ pub(super) fn relaxed(
 pub(super) fn pinned(
     given: Given<'_>,
     pins: &Pins,
-    flat: Flattening,
+    mut flat: Flattening,
     stop: &StopCriteria,
     observer: &mut dyn Observer,
 ) -> Result<Flattening, FlattenError> {
-    let Some((start, _)) = begin(&given, &flat, stop, observer)? else { return Ok(flat) };
+    let Some((start, _)) = begin(&given, &mut flat, stop, observer)? else { return Ok(flat) };
     let relax = given.pipeline.relax.unwrap_or_default();
     // A power of two moves no bit.
     let scaled = |pin: &Pin| Pin { uv: pin.uv.map(|x| x * given.scale), ..*pin };
@@ -98,7 +98,7 @@ pub(super) fn pinned(
 /// interruption, and where there is neither.
 fn begin(
     given: &Given<'_>,
-    flat: &Flattening,
+    flat: &mut Flattening,
     stop: &StopCriteria,
     observer: &mut dyn Observer,
 ) -> Result<Option<Start>, FlattenError> {
@@ -112,6 +112,10 @@ fn begin(
     match first_drawing(given.mesh, given.problem.topology(), stop, observer) {
         Ok(first) => Ok(Some((first.uv, first.tutte.is_some()))),
         Err(EmbedError::Cancelled(cancelled)) => Err(cancelled.into()),
+        Err(EmbedError::Interrupted(termination)) => {
+            flat.termination = termination;
+            Ok(None)
+        }
         Err(_) => Ok(None),
     }
 }

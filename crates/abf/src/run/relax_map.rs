@@ -50,6 +50,11 @@ impl Pipeline {
         let mut points = cut.places.clone();
         let (mut charts, mut pins, mut termination) = (Vec::new(), None, Termination::Converged);
         for chart in cut.charts(mesh) {
+            // Stopped, or out of time: what is left stays as it is.
+            if termination.is_interruption() {
+                charts.push(None);
+                continue;
+            }
             let job = Job { pipeline: &inner, mesh: &chart.mesh, ratio };
             let start: Vec<Point2<f64>> =
                 chart.locals.iter().map(|local| local.map_or(Point2::origin(), |l| points[l])).collect();

@@ -343,6 +343,11 @@ impl Unwrap {
         if !(self.max_stretch >= 1.0) {
             return wrong("max_stretch", "at least 1", self.max_stretch);
         }
+        // The rims of filled holes, and charts that lie in a plane, would not keep it.
+        if self.pipeline.boundary_gap > 0.0 {
+            let allowed = "0 for charts: an inner margin keeps their parts apart";
+            return wrong("boundary_gap", allowed, self.pipeline.boundary_gap);
+        }
         if let Some(length) = self.max_chart_length.filter(|length| !(*length >= 1.0)) {
             return wrong("max_chart_length", "at least 1", length);
         }

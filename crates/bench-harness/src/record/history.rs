@@ -3,7 +3,7 @@
 use super::head::Head;
 use super::json::pretty;
 use super::settings::Asked;
-use abf::{Energy, Fallback, IterationRecord, Pipeline, Relax};
+use abf::{Energy, Fallback, Injective, IterationRecord, Pipeline, Relax};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::iter::once;
@@ -176,11 +176,15 @@ impl History {
 
 /// The energy that is relaxed, and what stands beside it.
 fn relaxed_energy(pipeline: &Pipeline) -> String {
-    let energy = pipeline.relax.map_or_else(|| Relax::default().energy, |relax| relax.energy);
+    // Maps without overlaps are made for angles where nothing else is asked for.
+    let is_deformed = pipeline.injective == Injective::Deform;
+    let default = if is_deformed { Energy::Abf } else { Relax::default().energy };
+    let energy = pipeline.relax.map_or(default, |relax| relax.energy);
     let barrier = (energy == Energy::Abf).then_some("barrier");
     let pins = pipeline.pins.is_some().then_some("pins");
-    let parts: Vec<String> =
-        once(energy.to_string()).chain([barrier, pins].into_iter().flatten().map(str::to_owned)).collect();
+    let contacts = is_deformed.then_some("contacts");
+    let beside = [barrier, pins, contacts].into_iter().flatten().map(str::to_owned);
+    let parts: Vec<String> = once(energy.to_string()).chain(beside).collect();
     parts.join(" + ")
 }
 
@@ -382,5 +386,7 @@ mod tests {
         };
         assert_eq!(named(Energy::Abf, false), "abf + barrier");
         assert_eq!(named(Energy::USABLE, true), "usable + pins");
+        let deform = Pipeline { injective: Injective::Deform, ..Pipeline::default() };
+        assert_eq!(relaxed_energy(&deform), "abf + barrier + contacts");
     }
 }

@@ -4,8 +4,8 @@ use crate::record::hints::{OR, TRY};
 use crate::record::number::{count, significant};
 use crate::record::{Outcome, Quality, Record, RunRecord, RungRecord};
 use abf::{
-    Boundary, Energy, Hessian, IterativeSettings, LayoutKind, LinAbf, LineSearch, Passes, Pipeline, PreconditionerKind,
-    Reduction, Solver, SolverKind, Termination,
+    Boundary, Energy, Hessian, Injective, IterativeSettings, LayoutKind, LinAbf, LineSearch, Passes, Pipeline,
+    PreconditionerKind, Reduction, Solver, SolverKind, Termination,
 };
 
 /// The threshold that the paper recommends (§4.2), rad.
@@ -20,7 +20,7 @@ const SUGGESTIONS: usize = 2;
 pub(crate) fn next_to_try(record: &Record, may_cut: bool) -> Option<String> {
     let (run, quality, solver) = (record.run.as_ref()?, record.quality.as_ref()?, record.solver.as_deref()?);
     if record.outcome() == Outcome::AsAsked {
-        return stretched(record, may_cut);
+        return stretched(record, may_cut).or_else(|| overlapping(record));
     }
     let mut what = Vec::new();
     if !run.termination.is_as_asked() {
@@ -175,6 +175,20 @@ fn stretched(record: &Record, may_cut: bool) -> Option<String> {
             String::new()
         };
         format!("an L2 stretch of {stretch} is of little use{TRY}{relaxing}{way_out}")
+    })
+}
+
+/// What to try with a map that is valid and lies over itself.
+fn overlapping(record: &Record) -> Option<String> {
+    let lies_over_itself = record.quality.as_ref().is_some_and(|quality| quality.overlaps > 0);
+    let asked = record.run.as_ref()?.settings.pipeline()?;
+    // The rules go with neither of these.
+    let may_change = asked.injective == Injective::Off && asked.boundary.is_free() && asked.pins.is_none();
+    (lies_over_itself && may_change).then(|| {
+        let [deform, split] = [Injective::Deform, Injective::Split].map(|rule| format!("--injective {}", rule.name()));
+        format!(
+            "a map that lies over itself{TRY}{deform}, which makes another that does not{OR}{split}, which parts it"
+        )
     })
 }
 

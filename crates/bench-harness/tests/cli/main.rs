@@ -7,6 +7,7 @@ mod fixtures;
 mod flatten;
 #[cfg(target_os = "linux")]
 mod hostile;
+mod injective;
 #[cfg(target_os = "linux")]
 mod interrupt;
 mod memory;

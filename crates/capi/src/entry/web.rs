@@ -143,6 +143,8 @@ fn layout() -> CString {
             pin_uvs: "u32",
             pin_weights: "u32",
             pin_count: "u32",
+            injective: "text",
+            boundary_gap: "f64",
         }),
         described!(AbfView {
             size: "u32",

@@ -24,6 +24,10 @@ const STIFFER: f64 = 10.0;
 /// The part of a gap that is as good as all of it.
 const ALL_OF_GAP: f64 = 0.999;
 
+/// The largest gap, as a part of the side of a square as large as the surface: with more, nearly every pair of places on the
+/// boundary would be a contact.
+const MOST_GAP: f64 = 0.125;
+
 /// A drawing that is injective, by exact predicates.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -73,6 +77,10 @@ impl Relax {
         self.check()?;
         stop.check()?;
         check_gap(gap)?;
+        if gap > MOST_GAP * mesh.area().sqrt() {
+            let most = "at most an eighth of the side of a square as large as the surface";
+            return Err(SettingError::new("boundary_gap", most, gap).into());
+        }
         let topology = problem.topology();
         let mut watch = Watch::start(stop, observer);
         let start = embedded(mesh, topology, &mut watch)?;
@@ -118,6 +126,7 @@ impl Relax {
         }
         run.guard.as_mut().expect("set by the caller").stiffness = 1.0;
         (run.tolerance, run.max_steps) = (self.energy_tolerance, first_steps + self.max_steps);
+        run.start(&terms, watch)?;
         let mut termination = run.descend(&terms, watch)?;
         for _ in 0..STIFFENINGS {
             if has_gap(run) || termination.is_interruption() {
@@ -180,6 +189,9 @@ fn farthest(topology: &Topology, uv: &[Point2<f64>], from: VertexId) -> VertexId
 /// Whether the gap that is asked for is there.
 fn has_gap(run: &Run<'_>) -> bool {
     run.guard.as_ref().is_none_or(|guard| {
+        if guard.gap == 0.0 {
+            return true;
+        }
         let least = guard.least_gap(&run.uv).map_or(f64::INFINITY, |least| least / guard.scale(&run.uv));
         least >= ALL_OF_GAP * guard.gap
     })

@@ -44,10 +44,8 @@ impl<'a> Outputs<'a> {
         if let Some(report) = &mut self.report {
             report.add(&section);
         }
-        if let Some(plots) = &mut self.plots {
-            plots.add(&section)?;
-        }
-        self.write()
+        self.write()?;
+        self.plots.as_mut().map_or(Ok(()), |plots| plots.add(&section))
     }
 
     /// Prints what could not be printed before, and returns all records.
