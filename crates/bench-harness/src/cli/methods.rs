@@ -10,8 +10,8 @@ use abf::embed::EmbedError;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
 use abf::{
-    Boundary, FlattenError, GuessSettings, LayoutSettings, LinAbf, Pins, Pipeline, Relax, Solver, SolverKind,
-    SolverParts, SolverSettings, StopCriteria,
+    Boundary, FlattenError, GuessSettings, Injective, LayoutSettings, LinAbf, Pins, Pipeline, Relax, Solver,
+    SolverKind, SolverParts, SolverSettings, StopCriteria,
 };
 use clap::error::ErrorKind;
 use std::fmt;
@@ -227,16 +227,31 @@ fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
             Err(Refusal::Combination(error.to_string()))
         }
         Err(
-            error @ (FlattenError::LscmLayout(_)
-            | FlattenError::DescentLayout(_)
-            | FlattenError::BoundarySolver(_)
-            | FlattenError::RelaxBoundary(_)
-            | FlattenError::InjectiveElsewhere(..)
-            | FlattenError::GapElsewhere
-            | FlattenError::PinsElsewhere(_)),
+            error @ (FlattenError::LscmLayout(_) | FlattenError::DescentLayout(_) | FlattenError::BoundarySolver(_)),
         ) => Err(Refusal::Combination(error.to_string())),
-        Err(error) => Err(Refusal::Setting(out_of_range(pipeline, &error).unwrap_or_else(|| chain(&error)))),
+        Err(error) => {
+            let said = together(&error).or_else(|| out_of_range(pipeline, &error));
+            Err(Refusal::Setting(said.unwrap_or_else(|| chain(&error))))
+        }
     }
+}
+
+/// Which options do not go together, whatever the solver.
+fn together(error: &FlattenError) -> Option<String> {
+    let both = |one: String, other: &str| format!("{one} and --{other} do not go together: leave out one of them");
+    let named = |library: &'static str| match library {
+        "a boundary rule" => "boundary",
+        other => other,
+    };
+    Some(match error {
+        FlattenError::GapElsewhere => {
+            format!("--boundary-gap needs --injective {}, and does not go with --normalize", Injective::Deform.name())
+        }
+        FlattenError::InjectiveElsewhere(rule, other) => both(format!("--injective {rule}"), named(other)),
+        FlattenError::PinsElsewhere(other) => both("--pins".to_owned(), named(other)),
+        FlattenError::RelaxBoundary(energy) => both(format!("--energy {energy}"), "boundary"),
+        _ => return None,
+    })
 }
 
 /// Which option has a value out of its range; options are called as the settings of the library are.

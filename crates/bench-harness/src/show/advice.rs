@@ -41,7 +41,7 @@ pub(crate) fn next_to_try(record: &Record, may_cut: bool) -> Option<String> {
         return None;
     }
     let is_missed = run.pins.as_ref().is_some_and(|pins| pins.missed > 0);
-    let mut tries = if is_missed { vec!["soft pins, or fewer".to_owned()] } else { tries(solver, run) };
+    let mut tries = if is_missed { vec!["soft pins, or fewer".to_owned()] } else { tries(solver, run, may_cut) };
     tries.truncate(SUGGESTIONS);
     let what = what.join(", ");
     Some(if tries.is_empty() { what } else { format!("{what}{TRY}{}", tries.join(OR)) })
@@ -228,6 +228,20 @@ fn steps(solver: &str, n: usize) -> String {
 
 /// How the solver ended, in words.
 pub(crate) fn ending(run: &RunRecord) -> String {
+    let after_the_solver = match (&run.made_injective, &run.relaxed) {
+        (Some(made), _) => Some((made.steps, "of making a map without overlaps")),
+        (None, Some(relaxed)) => Some((relaxed.steps, "of relaxing")),
+        (None, None) => None,
+    };
+    if let Some((n, what)) = after_the_solver.filter(|_| !run.termination.is_as_asked()) {
+        let how = match run.termination {
+            Termination::MaxIterations => "not converged",
+            Termination::TimeLimit => "out of time",
+            Termination::Stalled => "not converged: stalled",
+            other => &other.to_string(),
+        };
+        return format!("{how} after {} {what}", count(n, "step", "steps"));
+    }
     let steps = steps(&run.solved_by, run.iterations);
     // The refinement of a direct solve is no iteration anyone asked for, and has no estimate.
     let steps = match run.inner_estimate {
@@ -252,8 +266,21 @@ fn inner_shortfall(run: &RunRecord) -> Option<String> {
 }
 
 /// Options that differ from what was asked, the most promising first.
-fn tries(solver: &str, run: &RunRecord) -> Vec<String> {
+fn tries(solver: &str, run: &RunRecord, may_cut: bool) -> Vec<String> {
     let Some(asked) = run.settings.pipeline() else { return Vec::new() };
+    let is_out_of_time = run.termination.is_interruption();
+    if let Some(made) = run.made_injective.as_ref().filter(|_| !is_out_of_time) {
+        let gap = (asked.boundary_gap > 0.0).then(|| "a smaller --boundary-gap".to_owned());
+        let other = match made.rule {
+            Injective::Split => format!("--injective {}", Injective::Deform.name()),
+            _ => format!("--injective {}, which parts the map", Injective::Split.name()),
+        };
+        return gap.into_iter().chain([other]).collect();
+    }
+    // The steps of relaxing have a limit of their own.
+    if run.relaxed.is_some() && run.termination == Termination::MaxIterations {
+        return vec![if may_cut { CUT_DISKS.to_owned() } else { longer_seam() }];
+    }
     // A solver of someone's own takes none of the options of ours.
     let own = run.settings.solver();
     if solver == SolverKind::Lscm.name() {

@@ -128,6 +128,7 @@ impl Relax {
         (run.tolerance, run.max_steps) = (self.energy_tolerance, first_steps + self.max_steps);
         run.start(&terms, watch)?;
         let mut termination = run.descend(&terms, watch)?;
+        let mut widest = (gap_of(run), run.uv.clone());
         for _ in 0..STIFFENINGS {
             if has_gap(run) || termination.is_interruption() {
                 break;
@@ -135,9 +136,14 @@ impl Relax {
             run.guard.as_mut().expect("set by the caller").stiffness *= STIFFER;
             run.max_steps = run.steps.len() + self.max_steps;
             termination = run.descend(&terms, watch)?;
+            if gap_of(run) > widest.0 {
+                widest = (gap_of(run), run.uv.clone());
+            }
         }
-        if termination.is_as_asked() && !has_gap(run) {
-            termination = Termination::Stalled;
+        if !has_gap(run) {
+            // A gap that cannot be had bends a drawing for nothing.
+            run.uv = widest.1;
+            termination = if termination.is_interruption() { termination } else { Termination::Stalled };
         }
         Ok(Ended { termination, first_steps, energy: terms.without_barrier(&run.uv) })
     }
@@ -188,13 +194,14 @@ fn farthest(topology: &Topology, uv: &[Point2<f64>], from: VertexId) -> VertexId
 
 /// Whether the gap that is asked for is there.
 fn has_gap(run: &Run<'_>) -> bool {
-    run.guard.as_ref().is_none_or(|guard| {
-        if guard.gap == 0.0 {
-            return true;
-        }
-        let least = guard.least_gap(&run.uv).map_or(f64::INFINITY, |least| least / guard.scale(&run.uv));
-        least >= ALL_OF_GAP * guard.gap
-    })
+    run.guard.as_ref().is_none_or(|guard| gap_of(run) >= ALL_OF_GAP * guard.gap)
+}
+
+/// The smallest gap, for a drawing as large as the surface; infinite where there is none, or none is asked for.
+fn gap_of(run: &Run<'_>) -> f64 {
+    let guard = run.guard.as_ref().filter(|guard| guard.gap > 0.0);
+    let least = guard.and_then(|guard| Some(guard.least_gap(&run.uv)? / guard.scale(&run.uv)));
+    least.unwrap_or(f64::INFINITY)
 }
 
 /// Tutte's embedding, of a surface with holes by way of the same with its holes filled.
