@@ -283,6 +283,11 @@ typedef struct AbfOptions {
   const double *pin_weights;
   // How many there are.
   size_t pin_count;
+  // What becomes of a map that lies over itself: "off" leaves it, "split" parts it along the overlap, "deform" makes it anew
+  // without overlaps, which takes many times as long. `abf_unwrap` parts charts in any case.
+  const char *injective;
+  // With "deform", how far parts of the boundary stay from each other, in units of the mesh.
+  double boundary_gap;
 } AbfOptions;
 
 // What a result holds. Pointers are valid as long as the result.
