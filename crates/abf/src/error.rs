@@ -54,6 +54,14 @@ pub enum FlattenError {
     /// A gap is kept by a map that is deformed, in the units of the mesh.
     #[error("a boundary gap needs the rule 'deform' for overlaps, and UVs that are not normalized")]
     GapElsewhere,
+    /// With a larger gap nearly every pair of places on the boundary would be too near.
+    #[error("a boundary gap of {gap} is too large for this mesh: at most {most}")]
+    GapTooLarge {
+        /// What was asked for.
+        gap: f64,
+        /// A quarter of the side of a square as large as the surface.
+        most: f64,
+    },
     /// Pins that no map of the mesh can have.
     #[error("the pins do not fit the mesh")]
     Pins(#[source] PinError),

@@ -169,6 +169,7 @@ fn of_flatten(error: &FlattenError) -> AbfStatus {
         | FlattenError::PinsElsewhere(_)
         | FlattenError::InjectiveElsewhere(..)
         | FlattenError::GapElsewhere
+        | FlattenError::GapTooLarge { .. }
         | FlattenError::Injective(EmbedError::Setting(_))
         | FlattenError::DescentLayout(_)
         | FlattenError::LscmLayout(_) => AbfStatus::Setting,

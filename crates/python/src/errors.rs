@@ -141,6 +141,7 @@ fn of_flatten(error: &FlattenError) -> Kind {
         | FlattenError::PinsElsewhere(_)
         | FlattenError::InjectiveElsewhere(..)
         | FlattenError::GapElsewhere
+        | FlattenError::GapTooLarge { .. }
         | FlattenError::Injective(EmbedError::Setting(_))
         | FlattenError::Descent(EmbedError::Setting(_))
         | FlattenError::Relax(EmbedError::Setting(_))

@@ -10,6 +10,9 @@ use abf_embed::{EmbedError, Energy, InjectiveDrawing, Relax, boundary_gap, verte
 use abf_mesh::{FaceId, Point2, UvId, UvMap, Vector2};
 use abf_metrics::certify_asking;
 
+/// The largest gap that can be asked for, as a part of the side of a square as large as the surface.
+const MOST_GAP: f64 = 0.25;
+
 /// The distance between parts side by side, as a part of the side of a square as large as the map.
 const BETWEEN_PARTS: f64 = 1.0 / 64.0;
 
@@ -55,8 +58,12 @@ fn deformed(
 ) -> Result<Flattening, FlattenError> {
     ask(observer, Event::StageStarted(Stage::Relax))?;
     let relax = given.pipeline.relax.unwrap_or(Relax { energy: Energy::Abf, ..Relax::default() });
+    let (gap, most) = (given.pipeline.boundary_gap, MOST_GAP * given.original.area().sqrt());
+    if gap > most {
+        return Err(FlattenError::GapTooLarge { gap, most });
+    }
     // A power of two moves no bit.
-    let gap = given.pipeline.boundary_gap * given.scale;
+    let gap = gap * given.scale;
     let before = upright(&given, &flat).map(|uv| relax.energy_of(given.mesh, given.problem, &uv));
     let report = InjectiveReport {
         rule: Injective::Deform,
@@ -74,7 +81,6 @@ fn deformed(
         Ok(drawing) => placed(given, flat, &drawing, report, observer),
         Err(EmbedError::Cancelled(cancelled)) => Err(cancelled.into()),
         Err(EmbedError::Interrupted(termination)) => Ok(Flattening { termination, ..flat }),
-        Err(error @ EmbedError::Setting(_)) => Err(FlattenError::Injective(error)),
         Err(error) => {
             let report = InjectiveReport { error: Some(FlattenError::Injective(error)), ..report };
             Ok(Flattening { termination: Termination::Stalled, injective: Some(report), ..flat })

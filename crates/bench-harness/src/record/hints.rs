@@ -132,6 +132,7 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
             FailureKind::Setting,
             "leave out --pins, or --normalize and --boundary; pins go with a disk that is flattened without an atlas",
         ),
+        FlattenError::GapTooLarge { .. } => (FailureKind::Setting, "take that, or less, for --boundary-gap"),
         FlattenError::RelaxBoundary(_) => (FailureKind::Setting, "leave out --energy, or --boundary"),
         FlattenError::BoundarySolver(_) => (FailureKind::Setting, "take --solver auto, linabf or barrier"),
         FlattenError::BoundaryCharts(_) => {

@@ -37,6 +37,8 @@ fn a_map_that_lies_over_itself_is_hinted_at_parted_or_deformed() {
         let judged = run_on("metrics --json -", &[&out]).result();
         assert_eq!((&judged["injective"], &judged["valid"]), (&true.into(), &true.into()), "{judged}");
     }
+    let large = run("--injective deform --boundary-gap 5");
+    assert!(large.code == 2 && large.stderr.contains("is too large for this mesh: at most"), "{}", large.stderr);
     for refused in
         ["--injective deform --boundary convex", "--boundary-gap 0.1", "--injective deform --boundary-gap -1"]
     {

@@ -24,10 +24,6 @@ const STIFFER: f64 = 10.0;
 /// The part of a gap that is as good as all of it.
 const ALL_OF_GAP: f64 = 0.999;
 
-/// The largest gap, as a part of the side of a square as large as the surface: with more, nearly every pair of places on the
-/// boundary would be a contact.
-const MOST_GAP: f64 = 0.125;
-
 /// A drawing that is injective, by exact predicates.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -77,10 +73,6 @@ impl Relax {
         self.check()?;
         stop.check()?;
         check_gap(gap)?;
-        if gap > MOST_GAP * mesh.area().sqrt() {
-            let most = "at most an eighth of the side of a square as large as the surface";
-            return Err(SettingError::new("boundary_gap", most, gap).into());
-        }
         let topology = problem.topology();
         let mut watch = Watch::start(stop, observer);
         let start = embedded(mesh, topology, &mut watch)?;
