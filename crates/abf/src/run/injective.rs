@@ -58,7 +58,8 @@ fn deformed(
 ) -> Result<Flattening, FlattenError> {
     ask(observer, Event::StageStarted(Stage::Relax))?;
     let relax = given.pipeline.relax.unwrap_or(Relax { energy: Energy::Abf, ..Relax::default() });
-    let (gap, most) = (given.pipeline.boundary_gap, MOST_GAP * given.original.area().sqrt());
+    // The area of the mesh as it was given may underflow.
+    let (gap, most) = (given.pipeline.boundary_gap, MOST_GAP * given.mesh.area().sqrt() / given.scale);
     if gap > most {
         return Err(FlattenError::GapTooLarge { gap, most });
     }
