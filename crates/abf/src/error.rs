@@ -122,9 +122,30 @@ impl FlattenError {
             source => Self::Solve { solver, source },
         }
     }
-}
 
-impl FlattenError {
+    /// Whether other settings would help: one is out of its range, or some do not go together or with the mesh.
+    #[must_use]
+    pub fn is_of_settings(&self) -> bool {
+        matches!(
+            self,
+            Self::Problem(ProblemError::Setting(_) | ProblemError::Boundary(_))
+                | Self::Solve { source: SolveError::Setting(_) | SolveError::Unsupported(_), .. }
+                | Self::Descent(EmbedError::Setting(_))
+                | Self::DescentLayout(_)
+                | Self::LscmLayout(_)
+                | Self::BoundarySolver(_)
+                | Self::BoundaryCharts(_)
+                | Self::Relax(EmbedError::Setting(_))
+                | Self::RelaxBoundary(_)
+                | Self::Pins(_)
+                | Self::PinsElsewhere(_)
+                | Self::Injective(EmbedError::Setting(_))
+                | Self::InjectiveElsewhere(..)
+                | Self::GapElsewhere
+                | Self::GapTooLarge { .. }
+        )
+    }
+
     /// What came of relaxing instead of a map.
     pub(crate) fn of_relaxing(error: EmbedError) -> Self {
         match error {

@@ -224,6 +224,13 @@ pub struct LayoutReport {
     pub scaled: bool,
 }
 
+impl LayoutReport {
+    /// Of UVs that were found without a layout.
+    pub(crate) fn placed(pinned: bool, scaled: bool) -> Self {
+        Self { kind: None, linear_residual: None, closing_error: None, clamped_angles: 0, pinned, scaled }
+    }
+}
+
 impl Flattening {
     /// Whether this is what was asked for: valid UVs of a solver that ended as asked.
     #[must_use]

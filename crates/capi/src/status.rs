@@ -2,9 +2,7 @@
 
 use abf::constraints::ProblemError;
 use abf::cut::RepairError;
-use abf::embed::EmbedError;
 use abf::mesh::GeometryError;
-use abf::solve_core::SolveError;
 use abf::{ArrayError, AtlasError, FlattenError, MetricsError, UnwrapError};
 use std::error::Error;
 use std::ffi::CStr;
@@ -158,21 +156,7 @@ fn of_flatten(error: &FlattenError) -> AbfStatus {
         FlattenError::Geometry(geometry) => of_geometry(geometry),
         FlattenError::Topology(_) => AbfStatus::Topology,
         FlattenError::NotADisk(_) | FlattenError::Problem(ProblemError::NotADisk(_)) => AbfStatus::NotADisk,
-        FlattenError::Problem(ProblemError::Setting(_) | ProblemError::Boundary(_))
-        | FlattenError::Solve { source: SolveError::Setting(_) | SolveError::Unsupported(_), .. }
-        | FlattenError::Descent(EmbedError::Setting(_))
-        | FlattenError::BoundarySolver(_)
-        | FlattenError::BoundaryCharts(_)
-        | FlattenError::Relax(EmbedError::Setting(_))
-        | FlattenError::RelaxBoundary(_)
-        | FlattenError::Pins(_)
-        | FlattenError::PinsElsewhere(_)
-        | FlattenError::InjectiveElsewhere(..)
-        | FlattenError::GapElsewhere
-        | FlattenError::GapTooLarge { .. }
-        | FlattenError::Injective(EmbedError::Setting(_))
-        | FlattenError::DescentLayout(_)
-        | FlattenError::LscmLayout(_) => AbfStatus::Setting,
+        settings if settings.is_of_settings() => AbfStatus::Setting,
         FlattenError::Memory { .. } => AbfStatus::Memory,
         FlattenError::Cancelled(_) => AbfStatus::Cancelled,
         FlattenError::Certificate(metrics) => of_metrics(metrics),

@@ -171,7 +171,7 @@ impl Energies {
 /// How far pins are from their places, and how many of those that must be met are not.
 fn pins(report: Option<&PinReport>) -> (Vec<f64>, usize) {
     let residuals = report.map_or(&[][..], |report| &report.residuals);
-    let missed = residuals.iter().filter(|pin| pin.is_hard && pin.distance > 0.0).count();
+    let missed = residuals.iter().filter(|pin| pin.is_missed()).count();
     (residuals.iter().map(|pin| pin.distance).collect(), missed)
 }
 

@@ -2,7 +2,6 @@
 
 use abf::constraints::ProblemError;
 use abf::embed::EmbedError;
-use abf::solve_core::SolveError;
 use abf::{ArrayError, AtlasError, FlattenError, JudgeError, MetricsError, PackError, UnwrapError};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyValueError};
@@ -131,21 +130,8 @@ fn of_flatten(error: &FlattenError) -> Kind {
             MetricsError::NoFaces | MetricsError::NoArea { .. } | MetricsError::PositionNotFinite { .. },
         )
         | FlattenError::Problem(ProblemError::Angle { .. }) => Kind::Geometry,
-        FlattenError::Problem(_)
-        | FlattenError::DescentLayout(_)
-        | FlattenError::LscmLayout(_)
-        | FlattenError::BoundarySolver(_)
-        | FlattenError::BoundaryCharts(_)
-        | FlattenError::RelaxBoundary(_)
-        | FlattenError::Pins(_)
-        | FlattenError::PinsElsewhere(_)
-        | FlattenError::InjectiveElsewhere(..)
-        | FlattenError::GapElsewhere
-        | FlattenError::GapTooLarge { .. }
-        | FlattenError::Injective(EmbedError::Setting(_))
-        | FlattenError::Descent(EmbedError::Setting(_))
-        | FlattenError::Relax(EmbedError::Setting(_))
-        | FlattenError::Solve { source: SolveError::Setting(_) | SolveError::Unsupported(_), .. } => Kind::Setting,
+        FlattenError::Problem(_) => Kind::Setting,
+        settings if settings.is_of_settings() => Kind::Setting,
         FlattenError::Memory { .. } => Kind::Memory,
         FlattenError::RelaxChart { source, .. } => of_flatten(source),
         _ => Kind::NoResult,

@@ -83,7 +83,7 @@ pub(crate) fn pinned<'py>(py: Python<'py>, report: &PinReport) -> PyResult<Bound
     for pin in &report.residuals {
         distances.set_item(pin.vertex, pin.distance)?;
     }
-    let missed = report.residuals.iter().filter(|pin| pin.is_hard && pin.distance > 0.0).map(|pin| pin.vertex);
+    let missed = report.residuals.iter().filter(|pin| pin.is_missed()).map(|pin| pin.vertex);
     out.set_item("energy", report.energy.to_string())?;
     out.set_item("after", report.after)?;
     out.set_item("steps", report.steps)?;

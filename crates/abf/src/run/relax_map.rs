@@ -272,14 +272,7 @@ fn as_flattening(
     let task = Task::new(given, SolverKind::Lscm, Single::SurfaceAngles);
     let scaled: Vec<Point2<f64>> = points.iter().map(|p| p * given.scale).collect();
     let certified = task.certified(UvMap::per_vertex(given.mesh, &scaled), observer)?;
-    let layout = LayoutReport {
-        kind: None,
-        linear_residual: None,
-        closing_error: None,
-        clamped_angles: 0,
-        pinned: false,
-        scaled: false,
-    };
+    let layout = LayoutReport::placed(false, false);
     Ok(task.flattening(certified, None, layout, &[]))
 }
 

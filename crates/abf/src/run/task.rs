@@ -148,9 +148,7 @@ impl<'t> Task<'t> {
         let candidates = self.placements(uv, area_matched);
         ask(observer, Event::StageStarted(Stage::Certificate))?;
         let (certified, pinned, scaled) = self.first_valid(candidates, observer)?;
-        let report =
-            LayoutReport { kind: None, linear_residual: None, closing_error: None, clamped_angles: 0, pinned, scaled };
-        Ok(self.flattening(certified, Some(solution), report, held))
+        Ok(self.flattening(certified, Some(solution), LayoutReport::placed(pinned, scaled), held))
     }
 
     /// Where a drawing may be put, the best place first: where every layout is, then without moving and turning it,

@@ -70,14 +70,7 @@ impl Finished {
         let faces: Vec<FaceId> = (0..real).map(FaceId::new).collect();
         let certificate = certify_asking(&chart.mesh, uv, precision, checkpoint)?;
         let (uv, metrics) = excerpt(&chart.mesh, uv, &certificate, &faces, is_scaled, checkpoint)?;
-        let layout = LayoutReport {
-            kind: None,
-            linear_residual: None,
-            closing_error: None,
-            clamped_angles: 0,
-            pinned: false,
-            scaled: true,
-        };
+        let layout = LayoutReport::placed(false, true);
         Ok(Self {
             piece: 0,
             faces,

@@ -43,7 +43,7 @@ impl Pinned {
             energy: report.energy,
             after: known(report.after),
             steps: report.steps,
-            missed: report.residuals.iter().filter(|pin| pin.is_hard && pin.distance != 0.0).count(),
+            missed: report.residuals.iter().filter(|pin| pin.is_missed()).count(),
             residuals: report.residuals.iter().map(distance).collect(),
         }
     }

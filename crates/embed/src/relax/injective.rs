@@ -89,8 +89,8 @@ impl Relax {
         }
         run.guard = Some(guard);
         run.start(&lengths.terms(topology, &[]), &mut watch)?;
-        let termination = self.guarded(&mut run, &lengths, (mesh, problem, crowded), &mut watch)?;
-        Ok(termination.into_drawing(run, mesh.area()))
+        let ended = self.guarded(&mut run, &lengths, (mesh, problem, crowded), &mut watch)?;
+        Ok(ended.into_drawing(run, mesh.area()))
     }
 
     /// Both energies, one after the other.
@@ -120,19 +120,22 @@ impl Relax {
         (run.tolerance, run.max_steps) = (self.energy_tolerance, first_steps + self.max_steps);
         run.start(&terms, watch)?;
         let mut termination = run.descend(&terms, watch)?;
-        let mut widest = (gap_of(run), run.uv.clone());
+        let least = ALL_OF_GAP * run.guard.as_ref().expect("set by the caller").gap;
+        let mut reached = gap_of(run);
+        let mut widest = (reached, run.uv.clone());
         for _ in 0..STIFFENINGS {
-            if has_gap(run) || termination.is_interruption() {
+            if reached >= least || termination.is_interruption() {
                 break;
             }
             run.guard.as_mut().expect("set by the caller").stiffness *= STIFFER;
             run.max_steps = run.steps.len() + self.max_steps;
             termination = run.descend(&terms, watch)?;
-            if gap_of(run) > widest.0 {
-                widest = (gap_of(run), run.uv.clone());
+            reached = gap_of(run);
+            if reached > widest.0 {
+                widest = (reached, run.uv.clone());
             }
         }
-        if !has_gap(run) {
+        if reached < least {
             // A gap that cannot be had bends a drawing for nothing.
             run.uv = widest.1;
             termination = if termination.is_interruption() { termination } else { Termination::Stalled };
@@ -182,11 +185,6 @@ fn farthest(topology: &Topology, uv: &[Point2<f64>], from: VertexId) -> VertexId
     let distance = |v: VertexId| (uv[v.index()] - uv[from.index()]).norm_squared();
     let used = topology.vertices().filter(|&v| topology.fan_start(v).is_some());
     used.max_by(|&a, &b| distance(a).total_cmp(&distance(b))).expect("a disk has vertices")
-}
-
-/// Whether the gap that is asked for is there.
-fn has_gap(run: &Run<'_>) -> bool {
-    run.guard.as_ref().is_none_or(|guard| gap_of(run) >= ALL_OF_GAP * guard.gap)
 }
 
 /// The smallest gap, for a drawing as large as the surface; infinite where there is none, or none is asked for.

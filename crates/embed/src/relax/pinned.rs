@@ -30,6 +30,14 @@ pub struct PinResidual {
     pub distance: f64,
 }
 
+impl PinResidual {
+    /// Whether it was to be met exactly, and is not.
+    #[must_use]
+    pub fn is_missed(&self) -> bool {
+        self.is_hard && self.distance > 0.0
+    }
+}
+
 /// A drawing with its pins.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -134,7 +142,7 @@ impl Relax {
             distance: (drawing.uv[pin.vertex as usize] - place(pin)).norm(),
         };
         drawing.residuals = pins.pins.iter().map(residual).collect();
-        let is_missed = drawing.residuals.iter().any(|pin| pin.is_hard && pin.distance > 0.0);
+        let is_missed = drawing.residuals.iter().any(PinResidual::is_missed);
         if is_missed && drawing.termination.is_as_asked() {
             drawing.termination = Termination::Stalled;
         }
