@@ -77,8 +77,9 @@ function settings() {
     options.maxStretch = Number($("stretch").value);
     const coverage = Number($("coverage").value);
     if (coverage > 0) options.coverage = coverage / 100;
-  } else if ($("boundary").value !== "free") {
-    options.boundary = $("boundary").value;
+  } else {
+    if ($("boundary").value !== "free") options.boundary = $("boundary").value;
+    options.injective = $("injective").value;
   }
   return options;
 }

@@ -5,7 +5,7 @@ import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import test from "node:test";
 import * as abf from "../package/index.js";
-import { cube, obj, sheet, torus } from "./shapes.mjs";
+import { cube, obj, ramp, sheet, torus } from "./shapes.mjs";
 
 const root = join(import.meta.dirname ?? new URL(".", import.meta.url).pathname, "../..");
 const engine = await abf.load();
@@ -109,6 +109,24 @@ test("an energy is less after relaxing, and pins are met or said to be missed", 
   assert.ok(soft.pinsMissed === 0 && soft.pinDistances[1] > 0);
   const atlas = engine.unwrap(torus(24, 12).positions, torus(24, 12).indices, { energy: "isometric" });
   assert.ok(atlas.certified && atlas.relaxSteps > 0);
+});
+
+test("a map that lies over itself is left, parted or deformed, as was asked", () => {
+  const { positions, indices } = ramp(1.3);
+  const plain = engine.flatten(positions, indices);
+  assert.ok(plain.valid && !plain.injective);
+  assert.deepEqual(engine.flatten(positions, indices, { injective: "off" }).uv, plain.uv);
+  const parted = engine.flatten(positions, indices, { injective: "split" });
+  assert.ok(parted.injective && parted.certified && parted.remap.length > positions.length / 3);
+  assert.deepEqual(Uint32Array.from(parted.indices, (row) => parted.remap[row]), indices);
+  for (const boundaryGap of [0, 0.2]) {
+    const whole = engine.flatten(positions, indices, { injective: "deform", boundaryGap });
+    assert.ok(whole.injective && whole.certified && whole.uv.length === (positions.length / 3) * 2);
+    assert.ok(whole.angleError > plain.angleError);
+  }
+  const refused = (error) => error instanceof abf.AbfError && error.message.length > 0;
+  assert.throws(() => engine.flatten(positions, indices, { injective: "always" }), refused);
+  assert.throws(() => engine.flatten(positions, indices, { boundaryGap: 0.2 }), refused);
 });
 
 test("arrays of any kind are taken, and a stride skips what lies between", () => {

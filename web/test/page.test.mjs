@@ -5,7 +5,7 @@ import { readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
 import test, { after, before } from "node:test";
 import { WAIT, openPage } from "./browser.mjs";
-import { sheet, torus } from "./shapes.mjs";
+import { ramp, sheet, torus } from "./shapes.mjs";
 
 const faults = [];
 let [page, folder, close] = [];
@@ -34,6 +34,19 @@ async function drop(name, bytes) {
 
 async function done(pattern = /charts? in [\d.]+ s/) {
   await page.waitForFunction((source) => new RegExp(source).test(document.getElementById("status").textContent), pattern.source, WAIT);
+}
+
+/** What the page saves with this ending. */
+async function download(ending) {
+  const [saved] = await Promise.all([page.waitForEvent("download"), page.click(`#save-${ending}`)]);
+  const path = join(folder, saved.suggestedFilename());
+  await saved.saveAs(path);
+  return path;
+}
+
+/** What the program says of a file. */
+function judged(file) {
+  return JSON.parse(execFileSync(process.env.ABF_PROGRAM, ["metrics", file, "--json", "-"], { stdio: ["ignore", "pipe", "ignore"] })).results[0];
 }
 
 async function shot(name) {
@@ -123,20 +136,14 @@ test("colours, and a chart that is picked", async () => {
 });
 
 test("what is downloaded is certified by the program", async () => {
-  const saved = {};
-  for (const ending of ["obj", "glb", "svg"]) {
-    const [download] = await Promise.all([page.waitForEvent("download"), page.click(`#save-${ending}`)]);
-    saved[ending] = join(folder, download.suggestedFilename());
-    await download.saveAs(saved[ending]);
-  }
   for (const ending of ["obj", "glb"]) {
-    const said = JSON.parse(execFileSync(process.env.ABF_PROGRAM, ["metrics", saved[ending], "--json", "-"], { stdio: ["ignore", "pipe", "ignore"] }));
-    const [result] = said.results;
+    const result = judged(await download(ending));
     assert.ok(result.valid && result.injective, `${ending}: ${JSON.stringify(result).slice(0, 400)}`);
     assert.equal(result.triangles, shape.indices.length / 3);
   }
-  assert.match(readFileSync(saved.svg, "utf8"), /^<svg [^]*<path d="M[^]*<\/svg>\n$/);
-  assert.ok(statSync(saved.svg).size > 1000);
+  const drawing = await download("svg");
+  assert.match(readFileSync(drawing, "utf8"), /^<svg [^]*<path d="M[^]*<\/svg>\n$/);
+  assert.ok(statSync(drawing).size > 1000);
 });
 
 test("what cannot be read is told, and what was there stays", async () => {
@@ -171,6 +178,23 @@ test("a map is relaxed to an energy, which the certificate tells", async () => {
   assert.equal(await cell("Certified"), "yes");
   await page.selectOption("#energy", "");
   assert.match(await page.textContent("#means-energy"), /symmetric Dirichlet/);
+});
+
+test("a map that lies over itself is parted or deformed", async () => {
+  await drop("ramp.obj", asObj(ramp(1.3)));
+  await done();
+  assert.equal(await cell("Injective"), "no");
+  for (const rule of ["split", "deform"]) {
+    await page.selectOption("#injective", rule);
+    await page.evaluate(() => (document.getElementById("status").textContent = ""));
+    await page.click("#run");
+    await done();
+    assert.equal(await cell("Injective"), "yes");
+    assert.ok(judged(await download("obj")).injective, rule);
+  }
+  await page.selectOption("#injective", "off");
+  await drop("sheet.obj", asObj(sheet(30)));
+  await done();
 });
 
 test("solvers stand side by side with their curves and their layouts", async () => {

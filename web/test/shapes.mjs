@@ -40,6 +40,17 @@ export function sheet(n) {
   return { positions: new Float64Array(positions), indices: new Uint32Array(indices) };
 }
 
+/** A narrow road that climbs around an axis this many times: a disk that lies over itself when it is flattened. */
+export function ramp(turns) {
+  const [n, positions, indices] = [60, [], []];
+  for (let i = 0; i <= n; ++i) {
+    const angle = (2 * Math.PI * turns * i) / n;
+    for (const r of [4, 4.5, 5]) positions.push(r * Math.cos(angle), r * Math.sin(angle), 0.3 * angle);
+    if (i < n) for (const a of [3 * i, 3 * i + 1]) indices.push(a, a + 1, a + 4, a, a + 4, a + 3);
+  }
+  return { positions: new Float64Array(positions), indices: new Uint32Array(indices) };
+}
+
 export function obj(file) {
   const positions = [];
   const indices = [];
