@@ -24,6 +24,10 @@ _ENERGIES = [
     ("isometric", "Lengths", "Lengths are kept: for fabric, and for textures whose size counts"),
     ("abf", "Angles", "The errors of angles alone"),
 ]
+_OVERLAPS = [
+    ("split", "Cut", "A chart that lies over itself is cut in two"),
+    ("deform", "Deform", "A chart that lies over itself is deformed until it does not: fewer charts, and it takes longer"),
+]
 
 
 class UV_OT_abf_unwrap(bpy.types.Operator):
@@ -36,6 +40,9 @@ class UV_OT_abf_unwrap(bpy.types.Operator):
     method: EnumProperty(name="Method", items=_METHODS, default="auto")
     energy: EnumProperty(
         name="Relax", description="What is to be little in each chart, after the method", items=_ENERGIES, default="none"
+    )
+    injective: EnumProperty(
+        name="Overlaps", description="What becomes of a chart that lies over itself", items=_OVERLAPS, default="split"
     )
     use_seams: BoolProperty(
         name="Keep Marked Seams",
@@ -60,6 +67,7 @@ class UV_OT_abf_unwrap(bpy.types.Operator):
         settings = Settings(
             solver=self.method,
             energy=None if self.energy == "none" else self.energy,
+            injective=self.injective,
             use_seams=self.use_seams,
             mark_seams=self.mark_seams,
             max_stretch=self.max_stretch,
@@ -94,7 +102,8 @@ class UV_OT_abf_unwrap(bpy.types.Operator):
     def draw(self, _context):
         layout = self.layout
         layout.use_property_split = True
-        for name in ("method", "energy", "use_seams", "mark_seams", "max_stretch", "resolution", "margin", "pack"):
+        names = ("method", "energy", "injective", "use_seams", "mark_seams", "max_stretch", "resolution", "margin", "pack")
+        for name in names:
             layout.prop(self, name)
 
 

@@ -17,6 +17,7 @@ class Settings:
 
     solver: str = "auto"
     energy: "str | None" = None
+    injective: str = "split"
     use_seams: bool = True
     mark_seams: bool = False
     max_stretch: float = 1.15
@@ -69,6 +70,7 @@ def unwrap_mesh(mesh, settings, selected_only, scale=(1.0, 1.0, 1.0)):
             rows.reshape(-1, 3),
             solver=settings.solver,
             energy=settings.energy,
+            injective=settings.injective,
             seams=seams if len(seams) else "auto",
             max_stretch=settings.max_stretch,
             resolution=settings.resolution,

@@ -128,6 +128,24 @@ def test_charts_are_relaxed_on_request():
     assert stretches[1] < stretches[0], stretches
 
 
+def test_a_road_that_climbs_around_an_axis_is_cut_or_deformed():
+    # It lies over itself when it is flattened.
+    turns, steps = 1.3, 60
+    angles = 2 * np.pi * turns * np.arange(steps + 1) / steps
+    vertices = [(r * np.cos(a), r * np.sin(a), 0.3 * a) for a in angles for r in (4, 4.5, 5)]
+    quads = [(k, k + 1, k + 4, k + 3) for i in range(steps) for k in (3 * i, 3 * i + 1)]
+    mesh = fresh("cube")
+    mesh.clear_geometry()
+    mesh.from_pydata(vertices, [], quads)
+    mesh.update()
+    counts = []
+    for injective in ("split", "deform"):
+        assert bpy.ops.uv.abf_unwrap(injective=injective) == {"FINISHED"}
+        assert certificate(mesh).injective, injective
+        counts.append(charts(mesh))
+    assert counts[1] == 1 < counts[0], counts
+
+
 def test_marked_seams_are_kept_or_not_as_asked():
     mesh = fresh("cylinder", vertices=16)
     # The rims of both caps.
