@@ -8,7 +8,7 @@ use abf::constraints::{BoundaryConditions, BoundaryError, ProblemError, boundary
 use abf::mesh::{CornerId, Topology, TriMesh};
 use abf::{
     Barrier, Boundary, BoundaryAngle, BoundaryReport, Descent, FlattenError, Flattening, LinAbf, Pipeline, Silent,
-    Solver, SolverKind, Termination, Unwrap, UnwrapError,
+    Solver, StopCriteria, Termination, Unwrap, UnwrapError,
 };
 use abf_shapes::Shape;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -209,21 +209,35 @@ fn convex_maps_of_real_meshes_are_those_of_an_independent_implementation() {
     ] {
         assert_near_reference(name, &read(&folder, name), reference);
     }
-    // Where seams run deep a convex boundary costs so much that stretches are those of the last digits.
-    for (name, best) in [("paper/bull.obj", 8.5e-3), ("paper/cow.obj", 4.7e-2)] {
-        let (ours, _) = convex(&read(&folder, name), Barrier::default().into());
-        assert!(ours <= 1.03 * best, "{name}: F {ours} for {best}");
+    // Where seams run deep a convex boundary costs much. The passes end near the stretch of the other implementation; that of
+    // the interior point is one of the last digits.
+    for (name, best, l2) in [("paper/bull.obj", 8.5e-3, 1.1e4), ("paper/cow.obj", 4.7e-2, 2104.0)] {
+        let mesh = read(&folder, name);
+        let [(by_passes, stretch), (by_barrier, _)] =
+            [LinAbf::default().into(), Barrier::default().into()].map(|solver| convex(&mesh, solver));
+        for ours in [by_passes, by_barrier] {
+            assert!(ours <= 1.03 * best, "{name}: F {ours} for {best}");
+        }
+        assert!((stretch - l2).abs() <= 0.03 * l2, "{name}: L2 {stretch} for {l2}");
     }
 }
 
-/// The passes end with angles that are convex, on a drawing whose doubles are not.
 #[test]
-fn a_boundary_that_doubles_do_not_hold_is_not_what_was_asked_for() {
+fn angles_that_meet_a_coarse_tolerance_only_are_not_the_boundary_that_was_asked_for() {
+    let mesh = Shape::LetterV.mesh(400);
+    let stop = StopCriteria { tolerance: 1e-2, ..StopCriteria::default() };
+    let coarse = Pipeline { boundary: Boundary::Convex, solver: LinAbf::default().into(), stop, ..Pipeline::default() };
+    let coarse = coarse.run(&mesh, &mut Silent).expect("a map");
+    assert!(coarse.solution.expect("angles").constraint_residual() <= 1e-2);
+    assert!(coarse.boundary.expect("a report").violation > NEAR);
+    assert_eq!(coarse.termination, Termination::Stalled);
+}
+
+/// An edge of the layout is so short that the next round asks an ear for an angle of π but for rounding.
+#[test]
+fn a_circle_that_asks_too_much_in_a_later_round_ends_with_the_round_before() {
     let Some(folder) = models(1) else { return };
-    let mesh = read(&folder, "paper/cow.obj");
-    let passes = run(&mesh, Boundary::Convex, LinAbf::default().into()).expect("a map");
-    assert_eq!(passes.termination, Termination::Stalled);
-    assert!(passes.boundary.expect("a report").violation > NEAR);
-    let (auto, _) = flat(&mesh, Boundary::Convex, Solver::default());
-    assert_eq!(auto.solver, SolverKind::Barrier);
+    let round = run(&read(&folder, "paper/cow.obj"), Boundary::Circle, LinAbf::default().into()).expect("a map");
+    assert_eq!(round.termination, Termination::Stalled);
+    assert!(round.certificate.valid() && round.boundary.expect("a report").rounds >= 1);
 }

@@ -85,23 +85,32 @@ impl Star {
         Self { spokes, normals, lengths, neighbours, faces, boundary, area }
     }
 
-    /// The cheapest of the allowed targets with a shape within the limits: its cost and its place.
+    /// The cheapest of the allowed targets with a shape within the limits: its cost and its place. The first of equal ones.
     fn cheapest(
         &self,
         targets: impl Iterator<Item = usize>,
         limits: Limits,
         is_allowed: impl Fn(usize) -> bool,
     ) -> Option<(f64, usize)> {
-        let mut best: Option<(f64, usize)> = None;
+        let mut least = [(f64::INFINITY, 0); MOST_FACES + 1];
+        let mut count = 0;
         for place in targets {
-            // A quality is at most 1.
-            let least = self.deviation(place);
-            if best.is_some_and(|(cost, _)| least >= cost) {
+            least[count] = (self.deviation(place), place);
+            count += 1;
+        }
+        // Qualities take longest. They are at most 1, so the first ones leave little to look at.
+        let left = &mut least[..count];
+        left.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut best: Option<(f64, usize)> = None;
+        for &(least, place) in &*left {
+            let is_better =
+                |cost: f64| best.is_none_or(|before| cost < before.0 || (cost == before.0 && place < before.1));
+            if !is_better(least) {
                 continue;
             }
             let Some(quality) = self.worst_quality(place, limits) else { continue };
             let cost = least / quality.max(f64::MIN_POSITIVE);
-            if best.is_none_or(|(before, _)| cost < before) && is_allowed(place) {
+            if is_better(cost) && is_allowed(place) {
                 best = Some((cost, place));
             }
         }

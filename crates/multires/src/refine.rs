@@ -7,12 +7,15 @@ use crate::relax::Sweep;
 use crate::star::{Spoke, angles_in_space, improved};
 use crate::working::MOST_FACES;
 use abf_control::{Cancelled, Checkpoint};
-use abf_mesh::{Point2, Topology, TriMesh, Vector2, VertexId};
+use abf_mesh::{Point2, Point3, Topology, TriMesh, Vector2, VertexId};
 use abf_parallel::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// A triangle with less than this part of the area that it should have is not good enough.
 const LEAST_SHARE: f64 = 1e-3;
+
+/// Angles at the vertex that are nearer to 0 or π, rad, do not say where it should be.
+const LEAST_ANGLE: f64 = 0.01;
 
 /// How often the way to a place that is not good enough is halved.
 const MOST_HALVED: usize = 20;
@@ -191,6 +194,14 @@ fn targets(mesh: &TriMesh, topology: &Topology, faces: &[[VertexId; 3]]) -> Vec<
     angles
 }
 
+/// The complex number that turns and scales the outer edge of a triangle of the surface into the edge from its first end to
+/// the vertex, times the sine of the angle at the vertex: `sin c · e^{ib}`, `b` and `c` the angles at the ends.
+fn wish([vertex, first, second]: [Point3<f64>; 3], double_area: f64) -> Vector2<f64> {
+    let (inwards, edge, back) = (vertex - first, second - first, vertex - second);
+    let lengths = (inwards.norm_squared() * back.norm_squared()).sqrt();
+    Vector2::new(inwards.dot(&edge), double_area) * (double_area / (lengths * edge.norm_squared()))
+}
+
 /// Why a vertex has no place.
 enum Fault {
     Empty,
@@ -200,6 +211,9 @@ enum Fault {
 /// A vertex that comes back.
 struct Insertion {
     spokes: [Spoke; MOST_FACES],
+    /// What turns and scales the outer edges into those from their first ends to where the triangles ask the vertex to be;
+    /// complex numbers.
+    wishes: [Vector2<f64>; MOST_FACES],
     /// The parts that the triangles have of the area around the vertex, on the surface.
     shares: [f64; MOST_FACES],
     count: usize,
@@ -212,12 +226,14 @@ impl Insertion {
         let count = if removed.is_closed { ring.len() } else { ring.len() - 1 };
         let nothing = Spoke { ends: [Point2::origin(); 2], target: [0.0; 3] };
         let (mut spokes, mut shares) = ([nothing; MOST_FACES], [0.0; MOST_FACES]);
+        let mut wishes = [Vector2::zeros(); MOST_FACES];
         let (mut sum, mut area) = (0.0, 0.0);
         for i in 0..count {
             let ends = [ring[i], ring[(i + 1) % ring.len()]];
             let corners = [removed.vertex, ends[0], ends[1]].map(|v| mesh.positions()[v.index()]);
             let (target, double_area) = angles_in_space(corners);
             spokes[i] = Spoke { ends: ends.map(|v| uv[v.index()]), target };
+            wishes[i] = wish(corners, double_area);
             shares[i] = double_area;
             sum += target[0];
             area += double_area;
@@ -226,7 +242,10 @@ impl Insertion {
         if removed.is_closed {
             spokes[..count].iter_mut().for_each(|spoke| spoke.target[0] *= TAU / sum);
         }
-        Self { spokes, shares, count, is_closed: removed.is_closed }
+        for (spoke, wish) in spokes[..count].iter().zip(&mut wishes) {
+            *wish /= spoke.target[0].clamp(LEAST_ANGLE, PI - LEAST_ANGLE).sin();
+        }
+        Self { spokes, wishes, shares, count, is_closed: removed.is_closed }
     }
 
     fn spokes(&self) -> &[Spoke] {
@@ -245,16 +264,12 @@ impl Insertion {
     /// Where the triangles ask the vertex to be, the longer their outer edge, the less they count.
     fn wanted(&self) -> Point2<f64> {
         let (mut sum, mut weights) = (Point2::origin(), 0.0);
-        for spoke in self.spokes() {
+        for (spoke, wish) in self.spokes().iter().zip(&self.wishes) {
             let [first, second] = spoke.ends;
             let edge = second - first;
             let weight = 1.0 / edge.norm_squared();
-            let [at_vertex, at_first, at_second] = spoke.target;
-            let at_vertex = at_vertex.clamp(0.01, PI - 0.01);
-            let (sin, cos) = at_first.sin_cos();
-            let length = at_second.sin() / at_vertex.sin();
-            let turned = Vector2::new(cos * edge.x - sin * edge.y, sin * edge.x + cos * edge.y);
-            sum += (first.coords + turned * length) * weight;
+            let turned = Vector2::new(wish.x * edge.x - wish.y * edge.y, wish.y * edge.x + wish.x * edge.y);
+            sum += (first.coords + turned) * weight;
             weights += weight;
         }
         sum / weights

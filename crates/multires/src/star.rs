@@ -60,11 +60,15 @@ fn energy(vertex: Point2<f64>, spokes: impl Iterator<Item = Spoke>) -> Option<f6
 ///
 /// They are counter-clockwise all the way: areas are linear in the place of one vertex.
 pub(crate) fn improved(vertex: Point2<f64>, spokes: &(impl Iterator<Item = Spoke> + Clone)) -> Point2<f64> {
-    let (before, step) = gauss_newton(vertex, spokes.clone());
+    let step = Step::new(vertex, spokes.clone());
+    let whole = vertex + step.by;
+    if step.is_sure() && spokes.clone().all(|spoke| spoke.is_positive(whole)) {
+        return whole;
+    }
     let mut share = 1.0;
     for _ in 0..MOST_HALVED {
-        let moved = vertex + step * share;
-        if energy(moved, spokes.clone()).is_some_and(|after| after < before) {
+        let moved = vertex + step.by * share;
+        if energy(moved, spokes.clone()).is_some_and(|after| after < step.before) {
             return moved;
         }
         share *= 0.5;
@@ -72,27 +76,56 @@ pub(crate) fn improved(vertex: Point2<f64>, spokes: &(impl Iterator<Item = Spoke
     vertex
 }
 
-/// The energy, and the step to the least of its linearisation.
-fn gauss_newton(vertex: Point2<f64>, spokes: impl Iterator<Item = Spoke>) -> (f64, Vector2<f64>) {
-    let (mut sum, mut pull) = (0.0, Vector2::zeros());
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for spoke in spokes {
-        let to = spoke.to_ends(vertex);
-        // The gradient of `arg z` is `iz / |z|²`.
-        let [first, second] = to.map(|z| Vector2::new(-z.y, z.x) / z.norm_squared());
-        let slopes = [first - second, -first, second];
-        let (off, weights) = (spoke.off(to), spoke.weights());
-        for k in 0..3 {
-            sum += weights[k] * off[k] * off[k];
-            pull -= slopes[k] * (weights[k] * off[k]);
-            xx += weights[k] * slopes[k].x * slopes[k].x;
-            xy += weights[k] * slopes[k].x * slopes[k].y;
-            yy += weights[k] * slopes[k].y * slopes[k].y;
+/// A step to the least of the energy's linearisation.
+struct Step {
+    by: Vector2<f64>,
+    /// The energy before it.
+    before: f64,
+    /// What the linearisation promises to take off.
+    promised: f64,
+    /// `Σ w b²`: an angle of weight `w` is linearised up to `b |d|²` for any step `d` of at most `reach`.
+    bend: f64,
+    /// Half the distance to the nearest neighbour.
+    reach: f64,
+}
+
+impl Step {
+    fn new(vertex: Point2<f64>, spokes: impl Iterator<Item = Spoke>) -> Self {
+        let (mut before, mut pull) = (0.0, Vector2::zeros());
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        let (mut bend, mut nearest) = (0.0, f64::INFINITY);
+        for spoke in spokes {
+            let to = spoke.to_ends(vertex);
+            let curved = to.map(|z| 1.0 / z.norm_squared());
+            nearest = to.iter().fold(nearest, |nearest, z| nearest.min(z.norm_squared()));
+            // The gradient of `arg z` is `iz / |z|²`.
+            let [first, second] = [0, 1].map(|k| Vector2::new(-to[k].y, to[k].x) * curved[k]);
+            let slopes = [first - second, -first, second];
+            // Without its linear part, `arg (z − d) = arg z + arg (1 − d/z)` changes by less than `|d/z|²` for `|d/z| ≤ ½`.
+            let bends = [curved[0] + curved[1], curved[0], curved[1]];
+            let (off, weights) = (spoke.off(to), spoke.weights());
+            for k in 0..3 {
+                before += weights[k] * off[k] * off[k];
+                pull -= slopes[k] * (weights[k] * off[k]);
+                xx += weights[k] * slopes[k].x * slopes[k].x;
+                xy += weights[k] * slopes[k].x * slopes[k].y;
+                yy += weights[k] * slopes[k].y * slopes[k].y;
+                bend += weights[k] * bends[k] * bends[k];
+            }
         }
+        let determinant = xx * yy - xy * xy;
+        let by = Vector2::new(yy * pull.x - xy * pull.y, xx * pull.y - xy * pull.x) / determinant;
+        let by = if by.x.is_finite() && by.y.is_finite() { by } else { Vector2::zeros() };
+        Self { by, before, promised: pull.dot(&by), bend, reach: 0.5 * nearest.sqrt() }
     }
-    let determinant = xx * yy - xy * xy;
-    let step = Vector2::new(yy * pull.x - xy * pull.y, xx * pull.y - xy * pull.x) / determinant;
-    (sum, if step.x.is_finite() && step.y.is_finite() { step } else { Vector2::zeros() })
+
+    /// Whether the whole step lowers the energy, whatever the linearisation leaves out. By the triangle inequality the
+    /// root of the energy after it is at most that of the linearisation plus `√(Σ w b²) |d|²`.
+    fn is_sure(&self) -> bool {
+        let square = self.by.norm_squared();
+        let after = (self.before - self.promised).max(0.0).sqrt() + self.bend.sqrt() * square;
+        square <= self.reach * self.reach && after < self.before.sqrt()
+    }
 }
 
 /// The angles of a triangle in space, rad, and twice its area.
@@ -128,11 +161,35 @@ mod tests {
     fn a_step_points_down_the_slope_of_the_energy() {
         let (spokes, at) = (wheel(), Point2::new(0.2, -0.1));
         let energy_at = |p: Point2<f64>| energy(p, spokes.iter().copied()).expect("inside");
-        let (here, step) = gauss_newton(at, spokes.iter().copied());
-        assert!((here - energy_at(at)).abs() < 1e-12);
+        let Step { by, before, promised, .. } = Step::new(at, spokes.iter().copied());
+        assert!((before - energy_at(at)).abs() < 1e-12);
         let h = 1e-6;
-        let slope = (energy_at(at + step * h) - energy_at(at - step * h)) / (2.0 * h);
-        assert!(slope < -here, "a step that solves a least squares problem almost: {slope} {here}");
+        let slope = (energy_at(at + by * h) - energy_at(at - by * h)) / (2.0 * h);
+        assert!(slope < -before, "a step that solves a least squares problem almost: {slope} {before}");
+        assert!((slope + 2.0 * promised).abs() < 1e-6 * promised, "{slope} is not twice {promised}");
+    }
+
+    /// For steps of all lengths from places all over the wheel, and for targets that no place has.
+    #[test]
+    fn a_step_that_is_sure_lowers_the_energy_and_short_ones_are_sure() {
+        let (mut sure, mut steps) = (0, 0);
+        for scale in [1.0, 0.8, 0.5] {
+            let mut spokes = wheel();
+            spokes.iter_mut().for_each(|spoke| spoke.target[1] *= scale);
+            let energy_at = |p: Point2<f64>| energy(p, spokes.iter().copied());
+            for i in 0..40 {
+                let radius = 0.02 * f64::from(i);
+                let at = Point2::new(radius * f64::from(i).cos(), radius * f64::from(i).sin());
+                let step = Step::new(at, spokes.iter().copied());
+                steps += 1;
+                if step.is_sure() {
+                    sure += 1;
+                    let after = energy_at(at + step.by).expect("all triangles are counter-clockwise");
+                    assert!(after < step.before, "{after} after {} at {at}", step.before);
+                }
+            }
+        }
+        assert!(sure > steps / 4 && sure < steps, "{sure} of {steps}");
     }
 
     #[test]

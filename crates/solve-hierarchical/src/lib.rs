@@ -28,6 +28,10 @@ pub use abf_multires::{LevelReport, RefineError};
 /// Fewer faces are not worth a thread.
 const PER_TASK: usize = 1 << 12;
 
+/// The coarse mesh is solved until a step moves no angle by more, rad: its solution is further than that from the drawing of
+/// the fine mesh, and its constraints hold to the tolerance.
+const COARSE_STEP: f64 = 1e-3;
+
 /// How a hierarchy is used.
 #[derive(
     Clone,
@@ -173,8 +177,9 @@ impl Hierarchical {
 
     /// Solves one problem, of `mesh`. Same input, same bits.
     ///
-    /// The stopping criteria are those of the coarse solver and of the passes on the fine mesh, and the time limit is that of
-    /// all together; it does not cut coarsening and the way back short. An observer that stops it has the drawing that there is carried to the fine mesh.
+    /// The stopping criteria are those of the coarse solver and of the passes on the fine mesh, but that the last step of the
+    /// coarse solver need not be shorter than 1e-3 rad. The time limit is that of all together; it does not cut coarsening and
+    /// the way back short. An observer that stops it has the drawing that there is carried to the fine mesh.
     ///
     /// # Errors
     /// [`SolveError`] when a setting is out of range, the observer aborts, or the coarse solver, in place of a hierarchy,
@@ -226,7 +231,9 @@ impl Hierarchical {
             let topology = Topology::build(coarse.vertex_count(), coarse.faces()).expect("collapses keep a manifold");
             let problem = AngleProblem::unclosed(&topology, coarse.corner_angles(), *problem.settings());
             let problem = problem.expect("the angles of triangles");
-            match solver.solve(&problem, &budget.left(), observer) {
+            let left = budget.left();
+            let stop = StopCriteria { step_tolerance: left.step_tolerance.max(COARSE_STEP), ..left };
+            match solver.solve(&problem, &stop, observer) {
                 Err(SolveError::Cancelled(cancelled)) => return Err(cancelled),
                 Err(source) => return Ok(Err(NoHierarchy::CoarseAngles { triangles, source })),
                 Ok(solution) => {

@@ -4,6 +4,9 @@
 //! bounds are met by a primal–dual active set: a row whose multiplier is not positive becomes free, and one that the solve
 //! would violate becomes active, until neither happens. Every change of the set is one solve.
 //!
+//! Conditions ask for large changes. A pass takes no angle further than a part of its way to 0 or π, so most of the passes are
+//! steps of less than the whole length; the last ones are whole.
+//!
 //! Passes re-centre, so what comes out meets the conditions and is not the optimum of ABF under them; multipliers of the
 //! last pass are near zero and say nothing of which rows bind. The interior point method finds the optimum.
 
@@ -15,6 +18,7 @@ use abf_solve_core::{
     AngleSolution, BoundaryTerms, BoundedStep, KktSystem, KktVector, SolveError, StepError, StepReport,
     constraint_residual,
 };
+use std::f64::consts::PI;
 
 /// At most so many solves in a pass: a set that changes still is one that comes back to where it was. The next pass starts
 /// from the angles of the last solve.
@@ -22,6 +26,10 @@ const SOLVES: usize = 30;
 
 /// An upper bound may be exceeded by this part of the tolerance before its row becomes active.
 const SLACK: f64 = 0.1;
+
+/// No pass takes an angle further than this part of its way to 0 or π: what is beyond would be cut off, and the constraints
+/// with it.
+const NEAREST: f64 = 0.9;
 
 /// Solves a problem that has conditions on its boundary.
 pub(crate) fn solve(
@@ -123,6 +131,12 @@ impl<'p, 'a> BoundedRun<'p, 'a> {
     }
 }
 
+/// The part of a step, at most all of it, that takes no angle further than [`NEAREST`] of its way to 0 or π.
+fn share_inside(angles: &[f64], step: &[f64]) -> f64 {
+    let share = |(x, e): (&f64, &f64)| NEAREST * (if *e < 0.0 { *x } else { PI - x }) / e.abs();
+    angles.iter().zip(step).map(share).fold(1.0, f64::min)
+}
+
 impl Pass for BoundedRun<'_, '_> {
     fn so_far(&mut self) -> &mut SoFar {
         &mut self.so_far
@@ -133,12 +147,14 @@ impl Pass for BoundedRun<'_, '_> {
         let [_, clamped_angles] = self.so_far.clamp(self.problem);
         let (report, correction, solves) = self.correction(watch)?;
         let angles = &mut self.so_far.angles;
-        angles.iter_mut().zip(&correction).for_each(|(x, e)| *x += e);
+        let share = share_inside(angles, &correction);
+        angles.iter_mut().zip(&correction).for_each(|(x, e)| *x += share * e);
         let (residual, _) = linearise(self.problem.rows(), angles);
         let off = self.conditions.violation(self.problem.topology(), angles);
         let record = IterationRecord {
             constraint_residual: constraint_residual(self.problem, angles, &residual).max(off),
-            step: largest(&correction),
+            step: share * largest(&correction),
+            step_length: share,
             inner_iterations: solves,
             inner_residual: report.relative_residual,
             inner_converged: report.inner_converged,
@@ -147,5 +163,20 @@ impl Pass for BoundedRun<'_, '_> {
         };
         self.so_far.add(record, watch)?;
         Ok(true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_share_of_a_step_leaves_every_angle_a_tenth_of_its_way_to_the_ends() {
+        let (angles, step) = ([1.0, 0.2, 3.0], [-0.5, -0.4, 0.7]);
+        let share = share_inside(&angles, &step);
+        let after: Vec<f64> = angles.iter().zip(step).map(|(x, e)| x + share * e).collect();
+        assert!((PI - after[2] - 0.1 * (PI - 3.0)).abs() < 1e-12 && after[1] > 0.02, "{after:?}");
+        assert_eq!(share_inside(&angles, &[0.1, -0.1, 0.0]), 1.0);
+        assert_eq!(share_inside(&[], &[]), 1.0);
     }
 }

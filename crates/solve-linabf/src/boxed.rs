@@ -188,6 +188,7 @@ impl Pass for BoxedRun<'_, '_> {
         let record = IterationRecord {
             constraint_residual: constraint_residual(self.problem, angles, &residual),
             step: largest(&errors),
+            step_length: 1.0,
             inner_iterations: solves,
             inner_residual: report.relative_residual,
             inner_converged: report.inner_converged,

@@ -331,6 +331,7 @@ impl Pass for LinAbfRun<'_, '_> {
         let record = IterationRecord {
             constraint_residual: constraint_residual(self.problem, angles, &self.residual),
             step: largest(&correction),
+            step_length: 1.0,
             inner_tolerance: matches!(self.inner, Inner::Inexact(_)).then_some(target),
             inner_iterations: report.iterations,
             inner_residual: report.relative_residual,

@@ -41,9 +41,9 @@ impl SoFar {
         [clamped, if self.history.is_empty() { problem.clamped_angles() } else { clamped }]
     }
 
-    /// A pass has led to these angles. `record` has what is known of it but for its number and the length of its step.
+    /// A pass has led to these angles. `record` has what is known of it but for its number.
     pub(crate) fn add(&mut self, record: IterationRecord, watch: &mut Watch<'_>) -> Result<(), StepError> {
-        let record = IterationRecord { iteration: self.history.len() + 1, step_length: 1.0, ..record };
+        let record = IterationRecord { iteration: self.history.len() + 1, ..record };
         let residual = record.constraint_residual;
         let improved = residual < IMPROVEMENT * self.best_residual;
         self.passes_without_improvement = if improved { 0 } else { self.passes_without_improvement + 1 };

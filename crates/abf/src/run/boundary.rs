@@ -73,7 +73,13 @@ fn in_rounds(
     let mut round = 1;
     let mut last: Option<Flattening> = None;
     loop {
-        let conditions = BoundaryConditions::circle(topology, &lengths).map_err(ProblemError::from)?;
+        let conditions = match BoundaryConditions::circle(topology, &lengths) {
+            Ok(conditions) => conditions,
+            // Lengths of a layout may ask for what those of the surface did not.
+            Err(error) => {
+                return last.map(|last| ended_as(Termination::Stalled, last)).ok_or(ProblemError::from(error).into());
+            }
+        };
         problem = problem.with_boundary(Some(conditions));
         let flat = match solve(&problem, &Pipeline { stop: budget.left(), ..pipeline.clone() }, observer) {
             Ok(flat) => finished(flat, topology, round, None),
