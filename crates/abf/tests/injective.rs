@@ -49,6 +49,18 @@ fn a_map_that_lies_over_itself_is_deformed_or_parted_until_it_does_not() {
 }
 
 #[test]
+fn the_caterpillar_overlaps_itself_unless_it_is_deformed() {
+    let mesh = Shape::Caterpillar.mesh(1500);
+    for relax in [None, Some(Energy::Isometric)] {
+        let relax = relax.map(|energy| Relax { energy, ..Relax::default() });
+        let [free, deformed] =
+            [Injective::Off, Injective::Deform].map(|rule| flat(&mesh, &Pipeline { relax, ..with(rule) }));
+        assert!(free.certificate.valid() && free.certificate.overlaps() > 0, "{relax:?}");
+        assert!(deformed.certificate.injective() && deformed.is_certified(), "{relax:?}");
+    }
+}
+
+#[test]
 fn a_map_without_overlaps_is_the_same_to_the_bit() {
     let mesh = Shape::BumpySheet.mesh(500);
     let free = flat(&mesh, &with(Injective::Off));

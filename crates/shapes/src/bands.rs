@@ -1,4 +1,4 @@
-//! Surfaces along a curve: the ring cyclide cut open and the twisted band.
+//! Surfaces along a curve: the ring cyclide cut open, the twisted band and the caterpillar.
 
 use crate::lattice::Grid;
 use crate::portable::sin_cos;
@@ -63,6 +63,34 @@ pub(crate) fn twisted_band(triangles: usize) -> TriMesh {
         let (sin_tau, cos_tau) = sin_cos(ARC * u);
         let out = 1.0 + r * cos_phi;
         Point3::new(out * cos_tau, out * sin_tau, r * sin_phi)
+    })
+}
+
+/// The back of a caterpillar: a half-pipe, open below, that swells and narrows nine times along a
+/// spiral of one turn and three quarters. As flat as it can be it still winds once and a half, so
+/// a map that keeps angles or lengths lies over itself.
+///
+/// `((R + r sin φ) cos τ, (R + r sin φ) sin τ, h τ/2π + r cos φ)` with `τ` along, `φ` across from −π/2
+/// to π/2, `r` the radius of the body there.
+pub(crate) fn caterpillar(triangles: usize) -> TriMesh {
+    const TURNS: f64 = 1.75;
+    const SEGMENTS: f64 = 9.0;
+    /// R: how far the middle of the body is from the axis.
+    const SPIRAL: f64 = 1.1;
+    /// h: what it rises in a turn.
+    const RISE: f64 = 1.2;
+    const BODY: f64 = 0.34;
+    /// By which part of it the body swells and narrows.
+    const SWELL: f64 = 0.6;
+    /// Two rows, so that there is an interior vertex.
+    const FEWEST_ROWS: usize = 2;
+    let aspect = TURNS * SPIRAL * 2.0 / BODY;
+    Grid::sized(triangles, aspect, FEWEST_ROWS).lift_unit(|u, v| {
+        let r = BODY * (1.0 - SWELL * sin_cos(TAU * SEGMENTS * u).1);
+        let (sin_phi, cos_phi) = sin_cos(TAU * 0.5 * (v - 0.5));
+        let (sin_tau, cos_tau) = sin_cos(TAU * TURNS * u);
+        let out = SPIRAL + r * sin_phi;
+        Point3::new(out * cos_tau, out * sin_tau, RISE * TURNS * u + r * cos_phi)
     })
 }
 

@@ -50,6 +50,7 @@ pub fn fixtures() -> Vec<Fixture> {
         named(Shape::BumpySheet, 1_800),
         named(Shape::WavySaddle, 2_400),
         named(Shape::SpikyField, 2_600),
+        named(Shape::Caterpillar, 3_000),
         named(Shape::Cyclide, 3_200),
         named(Shape::FatDisk, 3_750),
     ]

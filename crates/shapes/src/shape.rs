@@ -27,6 +27,8 @@ pub enum Shape {
     Cyclide,
     /// A long band with three twists.
     TwistedBand,
+    /// A half-pipe of nine humps along a spiral: its free map lies over itself.
+    Caterpillar,
     /// The digit 2 as a curved sheet.
     Letter2,
     /// The letter V as a curved sheet.
@@ -53,7 +55,7 @@ pub struct UnknownShape {
 
 impl Shape {
     /// Every shape.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Obtuse,
         Self::Pyramid,
         Self::Spike,
@@ -63,6 +65,7 @@ impl Shape {
         Self::Roll,
         Self::Cyclide,
         Self::TwistedBand,
+        Self::Caterpillar,
         Self::Letter2,
         Self::LetterV,
         Self::LetterX,
@@ -85,6 +88,7 @@ impl Shape {
             Self::Roll => "roll",
             Self::Cyclide => "cyclide",
             Self::TwistedBand => "twisted-band",
+            Self::Caterpillar => "caterpillar",
             Self::Letter2 => "letter-2",
             Self::LetterV => "letter-v",
             Self::LetterX => "letter-x",
@@ -108,6 +112,7 @@ impl Shape {
             Self::Roll => "sheet rolled up in a spiral, developable",
             Self::Cyclide => "ring cyclide of Dupin cut open: conformally a rectangle",
             Self::TwistedBand => "long band with three twists",
+            Self::Caterpillar => "half-pipe of nine humps along a spiral: its free map lies over itself",
             Self::Letter2 => "the digit 2 as a curved sheet",
             Self::LetterV => "the letter V as a curved sheet",
             Self::LetterX => "the letter X as a curved sheet",
@@ -137,6 +142,7 @@ impl Shape {
             Self::Roll => sheets::roll(triangles),
             Self::Cyclide => bands::cyclide(triangles),
             Self::TwistedBand => bands::twisted_band(triangles),
+            Self::Caterpillar => bands::caterpillar(triangles),
             Self::Letter2 => letters::two(triangles),
             Self::LetterV => letters::v(triangles),
             Self::LetterX => letters::x(triangles),
@@ -192,6 +198,7 @@ mod tests {
             Shape::Cyclide | Shape::Obtuse => 25.0,
             Shape::Spike => 19.9,
             Shape::Letter2 | Shape::Mask => 18.0,
+            Shape::Caterpillar => 13.6,
         }
     }
 
