@@ -167,26 +167,60 @@ mod tests {
         assert_eq!(Some(first.uv), crate::tutte(&mesh, &topology).ok().map(|embedding| embedding.uv));
     }
 
-    struct AbortAfter(usize);
+    /// Answers every event with `Continue`, and all after so many with another verdict.
+    struct After {
+        left: usize,
+        verdict: Verdict,
+    }
 
-    impl Observer for AbortAfter {
+    impl Observer for After {
         fn observe(&mut self, _: Event<'_>) -> Verdict {
-            self.0 = self.0.saturating_sub(1);
-            if self.0 == 0 { Verdict::Abort } else { Verdict::Continue }
+            self.left = self.left.saturating_sub(1);
+            if self.left == 0 { self.verdict } else { Verdict::Continue }
+        }
+    }
+
+    /// After how many events the progressive embedding of this mesh begins, and ends.
+    fn progressive_events(mesh: &TriMesh, topology: &Topology) -> [usize; 2] {
+        let (most, stop) = (usize::MAX, StopCriteria::default());
+        let mut observers = [(); 2].map(|()| After { left: most, verdict: Verdict::Continue });
+        let [of_tutte, of_both] = &mut observers;
+        assert!(tutte_watched(mesh, topology, &mut Watch::start(&stop, of_tutte)).is_err());
+        let first = first_drawing(mesh, topology, &stop, of_both).expect("a drawing");
+        assert_eq!(first.tutte, None);
+        observers.map(|observer| most - observer.left)
+    }
+
+    #[test]
+    fn a_progressive_embedding_ends_when_it_is_aborted() {
+        let mesh = deep_pocket(1100);
+        let topology = topology(&mesh);
+        let [begin, end] = progressive_events(&mesh, &topology);
+        assert!(end > begin + 100, "{begin} {end}");
+        for part in [1, 3, 6, 9] {
+            let mut observer = After { left: begin + (end - begin) * part / 10, verdict: Verdict::Abort };
+            let ended = first_drawing(&mesh, &topology, &StopCriteria::default(), &mut observer);
+            assert!(matches!(ended, Err(EmbedError::Cancelled(_))), "{part}: {ended:?}");
         }
     }
 
     #[test]
-    fn a_progressive_embedding_ends_when_it_is_aborted_or_out_of_time() {
+    fn a_progressive_embedding_that_is_stopped_is_a_drawing_or_says_so() {
         let mesh = deep_pocket(1100);
         let topology = topology(&mesh);
-        let stop = StopCriteria::default();
-        for events in [60, 150] {
-            let ended = first_drawing(&mesh, &topology, &stop, &mut AbortAfter(events));
-            assert!(matches!(ended, Err(EmbedError::Cancelled(_))), "{events}: {ended:?}");
+        let [begin, end] = progressive_events(&mesh, &topology);
+        for part in [1, 3, 6, 9] {
+            let mut observer = After { left: begin + (end - begin) * part / 10, verdict: Verdict::Stop };
+            match first_drawing(&mesh, &topology, &StopCriteria::default(), &mut observer) {
+                Ok(first) => {
+                    assert_eq!((first.tutte, not_counter_clockwise(&topology, &first.uv)), (None, None), "{part}");
+                }
+                ended => assert_eq!(ended, Err(EmbedError::Interrupted(Termination::Cancelled)), "{part}"),
+            }
         }
-        let stop = StopCriteria { time_limit: Some(Duration::ZERO), ..stop };
-        let late = first_drawing(&mesh, &topology, &stop, &mut Silent);
+        // Without any time there is not even a start for it.
+        let stop = StopCriteria { time_limit: Some(Duration::ZERO), ..StopCriteria::default() };
+        let late = progressive(&mesh, &topology, &mut Watch::start(&stop, &mut Silent));
         assert_eq!(late, Err(EmbedError::Interrupted(Termination::TimeLimit)));
     }
 }

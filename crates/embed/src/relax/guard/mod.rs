@@ -6,6 +6,7 @@
 //! test of the whole boundary, not by the barrier.
 
 mod contact;
+mod gap;
 
 use crate::plane::{of_face, orientation};
 use abf_control::{Cancelled, Checkpoint};
@@ -13,7 +14,6 @@ use abf_mesh::{Point2, Topology, Vector2, VertexId};
 use abf_overlap::{BoundaryTest, BoxTree, Extent};
 pub(crate) use contact::Pair;
 use contact::{Contact, Nearness, first_contact};
-use std::cell::Cell;
 
 /// The reach of the barrier, as a part of the mean boundary edge.
 const REACH: f64 = 0.05;
@@ -142,33 +142,6 @@ impl<'t> Guard<'t> {
     pub(crate) fn scale(&self, uv: &[Point2<f64>]) -> f64 {
         let area: f64 = self.topology.faces().map(|face| orientation(&of_face(self.topology, uv, face))).sum();
         (area / self.double_area).sqrt()
-    }
-
-    /// The smallest distance of a vertex and an edge that are nearer in the plane than a quarter of the way between them along the
-    /// boundary; `None` where there is no such pair.
-    pub(crate) fn least_gap(&self, uv: &[Point2<f64>]) -> Option<f64> {
-        let points: Vec<Point2<f64>> = self.vertices.iter().map(|v| uv[v.index()]).collect();
-        let walk = self.walk(&points);
-        let ends = |k: u32| [points[k as usize], points[self.next[k as usize] as usize]];
-        let tree = BoxTree::new((0..points.len() as u32).collect(), |k| {
-            let [a, b] = ends(k);
-            Extent::around(a, b)
-        });
-        let least = Cell::new(f64::INFINITY);
-        for (k, &p) in points.iter().enumerate() {
-            tree.visit(
-                |extent| extent.meets(&around(p, least.get())),
-                |e| {
-                    let [a, b] = ends(e);
-                    let distance = Nearness::of([p, a, b]).distance;
-                    let is_pair = self.is_pair(k as u32, e);
-                    if is_pair && distance < least.get() && distance < NEAR_BESIDE_WAY * self.way(&walk, k as u32, e) {
-                        least.set(distance);
-                    }
-                },
-            );
-        }
-        Some(least.get()).filter(|least| least.is_finite())
     }
 
     /// Whether an edge does not end at a vertex.
