@@ -10,6 +10,13 @@ use abf_mesh::{Topology, TriMesh};
 /// So many rounds in a row without [`PROGRESS`] end the cutting of a piece.
 const PATIENCE: usize = 8;
 
+/// The same for maps that have missed the aim though less stretch was foreseen: what spoils them, a hole that had to be closed or
+/// faces far from their angles, seldom leaves with a longer seam, and each of them takes as long as all that is foreseen.
+const PATIENCE_OF_MAPS: usize = 3;
+
+/// Maps with no more than so many times the stretch of the aim, above 1, are made as long as others.
+const ALMOST: f64 = 1.06;
+
 /// Progress brings what the stretch is above 1 below this part of the least so far.
 const PROGRESS: f64 = 0.9;
 
@@ -64,6 +71,11 @@ impl Foresight {
         piece: &Chart,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<bool, Cancelled> {
+        // Where no vertex lies inside there is nothing to scale.
+        if !piece.topology.vertices().any(|v| piece.topology.is_interior(v)) {
+            (self.l2, self.log_scale) = (None, None);
+            return Ok(false);
+        }
         let none = Seams::none(&piece.topology);
         let foreseen = self.of(piece.mesh.face_count(), (&piece.mesh, &piece.topology), &none, checkpoint)?;
         Ok(foreseen.is_some() && self.is_hopeless())
@@ -209,23 +221,36 @@ fn possible<T>(result: Result<T, LinearError>) -> Result<Option<T>, Cancelled> {
 pub(super) struct Progress {
     /// What the stretch is above 1, the least that counted as progress.
     least: f64,
+    rounds: usize,
     without: usize,
 }
 
 impl Default for Progress {
     fn default() -> Self {
-        Self { least: f64::INFINITY, without: 0 }
+        Self { least: f64::INFINITY, rounds: 0, without: 0 }
     }
 }
 
 impl Progress {
     pub(super) fn is_stalled(&mut self, l2: f64) -> bool {
+        self.rounds += 1;
         if l2 - 1.0 < PROGRESS * self.least {
-            *self = Self { least: l2 - 1.0, without: 0 };
+            (self.least, self.without) = (l2 - 1.0, 0);
         } else {
             self.without += 1;
         }
         self.without >= PATIENCE
+    }
+
+    /// How many rounds it was asked after.
+    pub(super) fn rounds(&self) -> usize {
+        self.rounds
+    }
+
+    /// The same of maps that were made because their stretch was foreseen to be small enough for this aim.
+    pub(super) fn is_stalled_in_maps(&mut self, l2: f64, max_stretch: f64) -> bool {
+        let is_far = l2 - 1.0 > ALMOST * (max_stretch - 1.0);
+        self.is_stalled(l2) || (is_far && self.without >= PATIENCE_OF_MAPS)
     }
 }
 
@@ -303,6 +328,17 @@ mod tests {
         assert!(!foresight.is_doubtful());
         foresight.l2 = Some(1.12);
         assert!(foresight.is_doubtful());
+    }
+
+    #[test]
+    fn maps_far_from_the_aim_are_given_up_sooner() {
+        let rounds_until = |l2: f64, is_stalled: fn(&mut Progress, f64) -> bool| {
+            let mut progress = Progress::default();
+            (0..).find(|_| is_stalled(&mut progress, l2)).expect("an end")
+        };
+        assert_eq!(rounds_until(1.3, Progress::is_stalled), PATIENCE);
+        assert_eq!(rounds_until(1.3, |progress, l2| progress.is_stalled_in_maps(l2, 1.15)), PATIENCE_OF_MAPS);
+        assert_eq!(rounds_until(1.155, |progress, l2| progress.is_stalled_in_maps(l2, 1.15)), PATIENCE);
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod assemble;
 mod component;
 mod error;
 mod finish;
+mod first_rung;
 mod flat;
 mod foresight;
 mod hints;

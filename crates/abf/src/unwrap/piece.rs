@@ -9,7 +9,7 @@ use super::stretch::{Peaks, Stretch};
 use super::surface::Surface;
 use super::{HoleRule, Unwrap};
 use crate::run::Prospect;
-use crate::{FlattenError, Flattening, Pipeline, Solver, SolverKind};
+use crate::{FlattenError, Flattening, SolverKind};
 use abf_constraints::AngleProblem;
 use abf_control::{Cancelled, Event, Observer, Stage, Termination, Verdict, ask};
 use abf_cut::{Chart, HoleFilling};
@@ -98,18 +98,10 @@ impl Component<'_, '_> {
         }
         let chart = surface.chart()?;
         foresight.refine(&surface, &mut || self.go_on())?;
-        let Some(flat) = self.first_rung(&chart, foresight)? else { return Ok(None) };
+        let Some(flat) = self.first_rung(&chart, &surface, foresight, 0)? else { return Ok(None) };
         let whole = self.of_piece(piece, finish(&chart, surface.real, flat, &mut || self.go_on())?);
         let whole = Finished { rounds: 1, ..whole };
         self.judged(piece, whole)
-    }
-
-    pub(super) fn pipeline_of_first_rung(&self) -> Pipeline {
-        let solver = match &self.settings.pipeline.solver {
-            Solver::Auto(ladder) => ladder.linabf.into(),
-            other => other.clone(),
-        };
-        Pipeline { solver, ..self.pipeline() }
     }
 
     /// A map of the piece that is as it should be, or is once it is taken apart where it lies over itself; `None` where it is
@@ -168,7 +160,7 @@ impl Component<'_, '_> {
     ) -> Result<Attempt, FlattenError> {
         self.go_on()?;
         let mut surface = self.surface(piece, filling)?;
-        let mut progress = Progress::default();
+        let (mut progress, mut maps) = (Progress::default(), Progress::default());
         let mut last: Option<(Chart, UvMap)> = None;
         let mut round = 1;
         loop {
@@ -212,7 +204,11 @@ impl Component<'_, '_> {
             self.go_on()?;
             let real = surface.real;
             let vertices = surface.mesh.vertex_count();
-            let first_rung = if is_foreseen || is_relaxed { self.first_rung(&chart, foresight)? } else { None };
+            let first_rung = if is_foreseen || is_relaxed {
+                self.first_rung(&chart, &surface, foresight, maps.rounds())?
+            } else {
+                None
+            };
             let known = first_rung.map(|flat| (flat.uv.clone(), flat));
             let (quick, first_rung) = match known {
                 Some((uv, flat)) => (Ok(uv), Some(flat)),
@@ -249,7 +245,10 @@ impl Component<'_, '_> {
             let stretch = stretch.expect("measured above where it was not before");
             last = quick.ok().map(|uv| (chart, uv));
             foresight.learn(stretch.l2);
-            if is_stalled || progress.is_stalled(stretch.l2) || !self.cut_further(&mut surface, &stretch) {
+            let aim = self.settings.max_stretch;
+            let is_in_vain =
+                progress.is_stalled(stretch.l2) || (is_foreseen && maps.is_stalled_in_maps(stretch.l2, aim));
+            if is_stalled || is_in_vain || !self.cut_further(&mut surface, &stretch) {
                 return Ok(Attempt::Missed);
             }
             round += 1;
@@ -267,16 +266,6 @@ impl Component<'_, '_> {
     ) -> Result<(), FlattenError> {
         let costs = |mesh: &TriMesh, topology: &Topology, real: usize| self.costs(piece, mesh, topology, real);
         filling.map_or(Ok(()), |filling| surface.release_caps(piece, filling, &costs))
-    }
-
-    /// A disk by the first rung; `None` where that finds nothing. Only what is flat may have something to gain from angles
-    /// below the bound; elsewhere they make many more iterations of it.
-    fn first_rung(&self, chart: &Chart, foresight: &Foresight) -> Result<Option<Flattening>, FlattenError> {
-        let mut pipeline = self.pipeline_of_first_rung();
-        pipeline.initial_guess.keep_thin &= foresight.is_flat();
-        let expected = foresight.angles(chart);
-        let prospect = Prospect { enough: self.settings.max_stretch, expected: expected.as_deref() };
-        self.tried(pipeline.run_within(&chart.mesh, prospect, &mut self.ear()))
     }
 
     /// A chart whose seams are as long as they may be is kept whatever its stretch.

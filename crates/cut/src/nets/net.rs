@@ -1,10 +1,11 @@
 //! Facets unfolded into the plane, joined edge by edge as long as nothing meets.
 
+mod cells;
 pub(super) mod rejoin;
 
 use super::facets::{Facets, Fold};
 use abf_mesh::{CornerId, FaceId, Point2, Topology, Vector2};
-use std::collections::HashMap;
+use cells::Cells;
 use std::f64::consts::TAU;
 
 /// Two sides of an edge are in one place when they differ by no more than this part of its length …
@@ -17,6 +18,9 @@ const GAP: f64 = 1e-6;
 
 /// Faces around a vertex on the boundary leave at least this angle free, rad.
 const FREE_ANGLE: f64 = 0.01;
+
+/// Nets with a shorter rim are looked at edge by edge.
+const FEW: usize = 24;
 
 /// Most cells along the diagonal.
 const MOST_CELLS: f64 = 128.0;
@@ -36,6 +40,9 @@ pub(super) struct Nets<'t> {
     /// Edges that cannot be joined: they never can while their nets only grow.
     dead: Vec<bool>,
     nets: Vec<Net>,
+    /// The last search that reached every face, and how many there were.
+    seen: Vec<u32>,
+    searches: u32,
 }
 
 #[derive(Clone, Default)]
@@ -43,8 +50,8 @@ struct Net {
     faces: Vec<FaceId>,
     /// Corners that face an edge of the boundary; some of them inside by now.
     rim: Vec<CornerId>,
-    /// The same by the cells that the edge touches.
-    cells: HashMap<[i32; 2], Vec<CornerId>>,
+    /// The same by the cells that the edge touches, from when they are first asked for.
+    cells: Option<Cells>,
 }
 
 /// A rigid motion: `rotation · p + shift`, rotation as a complex number.
@@ -76,6 +83,8 @@ impl<'t> Nets<'t> {
             welded: vec![false; topology.corner_count()],
             dead: vec![false; topology.corner_count()],
             nets,
+            seen: vec![0; topology.face_count()],
+            searches: 0,
         };
         for f in topology.faces() {
             let net = facets.of_face[f.index()];
@@ -107,7 +116,21 @@ impl<'t> Nets<'t> {
         let cells = self.cells_of(self.segment(c), 0.0);
         let net = &mut self.nets[net];
         net.rim.push(c);
-        cells.for_each(|cell| net.cells.entry(cell).or_default().push(c));
+        if let Some(known) = &mut net.cells {
+            cells.for_each(|cell| known.insert(cell, c));
+        }
+    }
+
+    /// Sorts the rim of a net into cells, if that has not been done and is worth it.
+    fn find_cells(&mut self, net: usize) {
+        if self.nets[net].cells.is_some() || self.nets[net].rim.len() < FEW {
+            return;
+        }
+        let mut cells = Cells::default();
+        for &c in self.nets[net].rim.iter().filter(|c| !self.welded[c.index()]) {
+            self.cells_of(self.segment(c), 0.0).for_each(|cell| cells.insert(cell, c));
+        }
+        self.nets[net].cells = Some(cells);
     }
 
     /// The cells that the box of a segment touches.
@@ -117,14 +140,19 @@ impl<'t> Nets<'t> {
         let high = |x: f64| ((x + margin) / size).floor() as i32;
         let (left, right) = (low(p.x.min(q.x)), high(p.x.max(q.x)));
         let (bottom, top) = (low(p.y.min(q.y)), high(p.y.max(q.y)));
-        // Of a long slanted segment only the cells near its line.
+        // Of a long slanted segment only the cells near its line, rounded outwards; of an upright one all of a column.
         let d = q - p;
-        let reach = size + margin;
-        let is_near = move |cell: &[i32; 2]| {
-            let middle = Point2::new((f64::from(cell[0]) + 0.5) * size, (f64::from(cell[1]) + 0.5) * size) - p;
-            (d.x * middle.y - d.y * middle.x).abs() <= reach * d.norm()
+        let of_column = move |x: i32| {
+            let middle = (f64::from(x) + 0.5) * size - p.x;
+            let near = [-1.0, 1.0].map(|side| {
+                let aside = side * (size + margin) * d.norm();
+                (p.y + (d.y * middle + aside) / d.x) / size - 0.5
+            });
+            let from = near[0].min(near[1]).floor().max(f64::from(bottom)) as i32;
+            let to = near[0].max(near[1]).ceil().min(f64::from(top)) as i32;
+            (from..=to).map(move |y| [x, y])
         };
-        (left..=right).flat_map(move |x| (bottom..=top).map(move |y| [x, y])).filter(is_near)
+        (left..=right).flat_map(of_column)
     }
 
     /// Joins the nets on the two sides of an edge if nothing meets in the plane; whether they are one now.
@@ -139,6 +167,7 @@ impl<'t> Nets<'t> {
             if self.nets[a].faces.len() >= self.nets[b].faces.len() { (a, b, c, o) } else { (b, a, o, c) };
         let Some(motion) = self.motion(c, o) else { return false };
         let welds = self.welds(stays, moves, motion);
+        self.find_cells(stays);
         if !self.fits(stays, moves, motion, &welds) {
             for &(c, o) in &welds {
                 self.dead[c.index()] = true;
@@ -202,18 +231,20 @@ impl<'t> Nets<'t> {
                 continue;
             }
             let moved = self.segment(o).map(|p| motion.apply(p));
-            for cell in self.cells_of(moved, gap) {
-                let Some(here) = still.cells.get(&cell) else { continue };
-                for &c in here.iter().filter(|c| !self.welded[c.index()]) {
-                    let segment = self.segment(c);
-                    if distance(moved, segment) < gap && !is_weld(c) {
-                        let shared =
-                            moved.iter().find(|p| is_end(**p) && segment.iter().any(|q| (*p - q).norm() <= same));
-                        if shared.is_none() || !opens(moved, segment, same) {
-                            return false;
-                        }
-                    }
+            let bars = |c: CornerId| {
+                let segment = self.segment(c);
+                if self.welded[c.index()] || distance(moved, segment) >= gap || is_weld(c) {
+                    return false;
                 }
+                let shared = moved.iter().find(|p| is_end(**p) && segment.iter().any(|q| (*p - q).norm() <= same));
+                shared.is_none() || !opens(moved, segment, same)
+            };
+            let is_barred = match &still.cells {
+                Some(cells) => self.cells_of(moved, gap).any(|cell| cells.at(cell).any(bars)),
+                None => still.rim.iter().any(|&c| bars(c)),
+            };
+            if is_barred {
+                return false;
             }
         }
         true

@@ -156,19 +156,23 @@ impl Nets<'_> {
     }
 
     /// Whether a net is still connected without one of its facets.
-    fn stays_connected(&self, net: usize, without: u32, creases: &Creases<'_>) -> bool {
+    fn stays_connected(&mut self, net: usize, without: u32, creases: &Creases<'_>) -> bool {
+        self.searches += 1;
+        let Self { topology, welded, nets, seen, searches, .. } = self;
         let is_left = |f: FaceId| creases.facet_of[f.index()] != without;
-        let faces = &self.nets[net].faces;
+        let faces = &nets[net].faces;
         let Some(&start) = faces.iter().find(|f| is_left(**f)) else { return false };
-        let mut is_seen = std::collections::HashSet::from([start]);
+        let mut reached = 0;
         let mut open = vec![start];
+        seen[start.index()] = *searches;
         while let Some(f) = open.pop() {
-            for c in f.corners().into_iter().filter(|c| self.welded[c.index()]) {
-                let next = self.topology.opposite(c).map(CornerId::face).filter(|&g| is_left(g));
-                open.extend(next.filter(|&g| is_seen.insert(g)));
+            reached += 1;
+            for c in f.corners().into_iter().filter(|c| welded[c.index()]) {
+                let next = topology.opposite(c).map(CornerId::face).filter(|&g| is_left(g));
+                open.extend(next.filter(|g| std::mem::replace(&mut seen[g.index()], *searches) != *searches));
             }
         }
-        is_seen.len() == faces.iter().filter(|f| is_left(**f)).count()
+        reached == faces.iter().filter(|f| is_left(**f)).count()
     }
 
     /// Whether a net is not too long for its area.
