@@ -22,6 +22,9 @@ const LATE: usize = 6;
 /// … if they leave more than this part.
 const STUCK: f64 = 0.5;
 
+/// Angles may be so small, rad: where they are not, no cut takes away what the bound of a lone disk adds to the stretch.
+const LEAST_ANGLE: f64 = 1e-4;
+
 /// After so many maps that missed the aim another is expected to.
 const MISSES: usize = 2;
 
@@ -50,7 +53,9 @@ impl Component<'_, '_> {
         misses: usize,
     ) -> Result<Option<Flattening>, FlattenError> {
         let mut pipeline = self.pipeline_of_first_rung();
-        pipeline.initial_guess.keep_thin &= foresight.is_flat();
+        let guess = &mut pipeline.initial_guess;
+        guess.keep_thin &= foresight.is_flat();
+        guess.angle_bound = guess.angle_bound.min(LEAST_ANGLE);
         let expected = foresight.angles(chart);
         let prospect = Prospect { enough: self.settings.max_stretch, expected: expected.as_deref() };
         let run = |observer: &mut dyn Observer| self.tried(pipeline.run_within(&chart.mesh, prospect, observer));

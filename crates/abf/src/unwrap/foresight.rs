@@ -12,7 +12,7 @@ const PATIENCE: usize = 8;
 
 /// The same for maps that have missed the aim though less stretch was foreseen: what spoils them, a hole that had to be closed or
 /// faces far from their angles, seldom leaves with a longer seam, and each of them takes as long as all that is foreseen.
-const PATIENCE_OF_MAPS: usize = 3;
+const PATIENCE_OF_MAPS: usize = 2;
 
 /// Maps with no more than so many times the stretch of the aim, above 1, are made as long as others.
 const ALMOST: f64 = 1.06;
