@@ -6,6 +6,7 @@ use super::stretch::Stretch;
 use super::surface::Surface;
 use crate::run::Prospect;
 use crate::{FlattenError, Flattening, Injective, Pipeline, Solver, SolverKind};
+use abf_constraints::GuessSettings;
 use abf_control::{Event, IterationRecord, Observer, Termination, Verdict};
 use abf_cut::Chart;
 
@@ -55,7 +56,10 @@ impl Component<'_, '_> {
         let mut pipeline = self.pipeline_of_first_rung();
         let guess = &mut pipeline.initial_guess;
         guess.keep_thin &= foresight.is_flat();
-        guess.angle_bound = guess.angle_bound.min(LEAST_ANGLE);
+        // A bound that was asked for stays.
+        if guess.angle_bound == GuessSettings::default().angle_bound {
+            guess.angle_bound = LEAST_ANGLE;
+        }
         let expected = foresight.angles(chart);
         let prospect = Prospect { enough: self.settings.max_stretch, expected: expected.as_deref() };
         let run = |observer: &mut dyn Observer| self.tried(pipeline.run_within(&chart.mesh, prospect, observer));
