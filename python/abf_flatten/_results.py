@@ -243,6 +243,8 @@ class Relaxed(Judged):
     chart_of_face: NDArray[np.int32] = field(repr=False)
     #: What was done to each chart; None for one that stays as it was.
     charts: list[RelaxReport | None] = field(repr=False)
+    #: Why charts could not be relaxed and stay as they were, each with its first face.
+    refused: list[str]
     #: What became of `pins`.
     pinned: PinReport | None = field(repr=False)
 

@@ -153,12 +153,14 @@ pub struct RelaxedMap {
     /// What is proved of it.
     pub certificate: Certificate,
     /// How relaxing ended; of several charts the first end that was not as asked. [`Termination::Stalled`], too, where a
-    /// chart stays as it was because it is not valid, and has no valid map to start from.
+    /// chart stays as it was because it could not be relaxed, or is not valid and has no valid map to start from.
     pub termination: Termination,
     /// The chart of every face, numbered by first appearance.
     pub chart_of_face: Vec<usize>,
     /// What relaxing did to every chart; `None` for one that stays as it was.
     pub charts: Vec<Option<RelaxReport>>,
+    /// Why charts could not be relaxed and stay as they were, each with its first face ([`FlattenError::RelaxChart`]).
+    pub refused: Vec<FlattenError>,
     /// What became of pins; `None` where there are none, or there was no map or no time for them.
     pub pinned: Option<PinReport>,
 }

@@ -61,6 +61,25 @@ fn the_caterpillar_overlaps_itself_unless_it_is_deformed() {
 }
 
 #[test]
+fn a_map_is_parted_alike_at_any_scale() {
+    let mesh = helix(1.5, 60);
+    let scaled = |scale: f64| {
+        let faces: Vec<[usize; 3]> = mesh.faces().iter().map(|face| face.map(VertexId::index)).collect();
+        TriMesh::new(mesh.positions().iter().map(|p| p * scale).collect(), &faces).expect("indices in range")
+    };
+    let charts: Vec<Vec<usize>> = [1.0, 2.0_f64.powi(-996), 2.0_f64.powi(500)]
+        .map(|scale| {
+            let parted = flat(&scaled(scale), &with(Injective::Split));
+            assert!(parted.certificate.injective() && parted.is_certified(), "{scale}");
+            let report = parted.injective.as_ref().expect("a report");
+            assert_eq!(report.parts, parted.certificate.charts, "{scale}");
+            parted.uv.corners().iter().map(|id| id.index()).collect()
+        })
+        .to_vec();
+    assert!(charts[0] == charts[1] && charts[0] == charts[2]);
+}
+
+#[test]
 fn a_map_without_overlaps_is_the_same_to_the_bit() {
     let mesh = Shape::BumpySheet.mesh(500);
     let free = flat(&mesh, &with(Injective::Off));

@@ -118,6 +118,8 @@ fn everything_that_is_wrong_with_pins_is_named() {
     assert!(said(&[(a, [0.0, 0.0]), (c, [1.0, 0.0]), (b, [0.0, 1.0])]).contains("turn face 7 over"));
     assert!(said(&[(0, [1e17, 1e17]), (20, [1e17, 1e17 + 16.0])]).contains("doubles do not hold"));
     let read = Pins::read("0 1 2 # a corner\n2 0 0 soft 3").expect("pins");
+    // Some editors put a byte-order mark first.
+    assert_eq!(Pins::read("\u{feff}0 1 2\r\n2 0 0 soft 3\r\n"), Ok(read.clone()));
     assert_eq!(Pins::read(&read.to_string()), Ok(read));
     let pipeline = Pipeline { pins: Some(Pins::default()), normalize: true, ..Pipeline::default() };
     assert_eq!(pipeline.check(), Err(FlattenError::PinsElsewhere("normalize")));

@@ -1,6 +1,6 @@
 //! Maps that anybody made, relaxed.
 
-use abf::mesh::{CornerId, Point2, Point3, TriMesh, UvId, UvMap};
+use abf::mesh::{CornerId, Point2, Point3, TriMesh, UvId, UvMap, VertexId};
 use abf::{
     Energy, Event, FlattenError, Observer, Pin, PinWeight, Pins, Pipeline, Relax, RelaxedMap, Silent, Solver,
     Termination, Verdict,
@@ -173,9 +173,40 @@ fn what_cannot_be_relaxed_is_named() {
     let faces = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [6, 7, 8]];
     let bow = TriMesh::new(points.map(|[x, y]| Point3::new(x, y, 0.0)).to_vec(), &faces).expect("a mesh");
     let uv = UvMap::per_vertex(&bow, &points.map(Point2::from));
-    assert_eq!(refused(&bow, &uv, &Pipeline::default()), "the chart of face 2 could not be relaxed");
+    let map = relaxed(&bow, &uv, &Pipeline::default());
+    assert_eq!(map.refused.len(), 1);
+    assert_eq!(map.refused[0].to_string(), "the chart of face 2 could not be relaxed");
     let nothing = TriMesh::new(Vec::new(), &[]).expect("no mesh");
     assert!(Pipeline::default().relax_map(&nothing, &UvMap::new(Vec::new(), Vec::new()), &mut Silent).is_err());
+}
+
+#[test]
+fn a_chart_that_is_no_manifold_stays_as_it_was_and_the_others_are_relaxed() {
+    let sheet = Shape::BumpySheet.mesh(400);
+    let (start, far) = (lscm(&sheet), 100.0);
+    let vertices = sheet.vertex_count();
+    let bow = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 2.0], [1.0, 2.0]].map(|[x, y]| [x + far, y]);
+    let bow_faces = [[0, 1, 2], [2, 3, 4]].map(|face| face.map(|v| v + vertices));
+    let faces: Vec<[usize; 3]> = sheet.faces().iter().map(|face| face.map(VertexId::index)).chain(bow_faces).collect();
+    let positions = sheet.positions().iter().copied().chain(bow.map(|[x, y]| Point3::new(x, y, 0.0))).collect();
+    let mesh = TriMesh::new(positions, &faces).expect("a mesh");
+    let corners = start.corners().iter().copied();
+    let of_bow = bow_faces.as_flattened().iter().map(|v| UvId::new(v - vertices + start.points().len()));
+    let uv = UvMap::new(
+        start.points().iter().copied().chain(bow.map(Point2::from)).collect(),
+        corners.chain(of_bow).collect(),
+    );
+    let map = relaxed(&mesh, &uv, &Pipeline::default());
+    assert_eq!(map.charts.iter().map(Option::is_some).collect::<Vec<_>>(), [true, false]);
+    let [FlattenError::RelaxChart { face, .. }] = map.refused.as_slice() else { panic!("{:?}", map.refused) };
+    assert_eq!(face.index(), sheet.face_count());
+    assert!(map.termination == Termination::Stalled && !map.is_certified());
+    for c in 3 * sheet.face_count()..3 * mesh.face_count() {
+        assert_eq!(map.uv.corner(CornerId::new(c)), uv.corner(CornerId::new(c)));
+    }
+    let alone = relaxed(&sheet, &start, &Pipeline::default());
+    let [with, without] = [&map, &alone].map(|map| map.charts[0].as_ref().expect("relaxed").after);
+    assert!((with - without).abs() < 1e-3 * without, "{with} {without}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! A result, and what its owner sees of it.
 
-use abf::mesh::{TriMesh, UvMap, VertexId};
+use abf::mesh::{Point2, TriMesh, UvMap, VertexId};
 use abf::{Flattening, Metrics, PinReport, RelaxReport, RelaxedMap, Termination, UnwrappedArrays, UnwrappedChart};
 use std::ffi::{CString, c_char};
 use std::mem::offset_of;
@@ -178,10 +178,7 @@ fn pins(report: Option<&PinReport>) -> (Vec<f64>, usize) {
 impl AbfResult {
     pub(crate) fn of_disk(mesh: &TriMesh, flat: &Flattening, metrics: Metrics) -> Self {
         let (pins, missed) = pins(flat.pinned.as_ref());
-        // A map in parts has more points than vertices.
-        let parts = flat.injective.as_ref().map_or(1, |report| report.parts);
-        let (uv64, remap, indices) =
-            if parts > 1 { per_corner(mesh, &flat.uv) } else { (per_vertex(mesh, &flat.uv), Vec::new(), Vec::new()) };
+        let (uv64, remap, indices) = rows_of(mesh, &flat.uv, false);
         Self {
             energy: Energies::of(flat.relaxed.iter().map(|report| (report, 1.0))),
             pins,
@@ -192,7 +189,7 @@ impl AbfResult {
             indices,
             triangle_charts: Vec::new(),
             chart_pages: Vec::new(),
-            charts: parts,
+            charts: flat.injective.as_ref().map_or(1, |report| report.parts),
             unfinished: 0,
             page: [0; 2],
             pages: 0,
@@ -210,8 +207,7 @@ impl AbfResult {
     /// A map that was there, relaxed: with indices where UVs were those of corners.
     pub(crate) fn of_map(mesh: &TriMesh, map: &RelaxedMap, metrics: Metrics, is_per_corner: bool) -> Self {
         let (pins, missed) = pins(map.pinned.as_ref());
-        let (uv64, remap, indices) =
-            if is_per_corner { per_corner(mesh, &map.uv) } else { (per_vertex(mesh, &map.uv), Vec::new(), Vec::new()) };
+        let (uv64, remap, indices) = rows_of(mesh, &map.uv, is_per_corner);
         let mut areas = vec![0.0; map.charts.len()];
         let area = |face: &[VertexId; 3]| {
             let [a, b, c] = face.map(|v| mesh.positions()[v.index()]);
@@ -333,22 +329,18 @@ impl AbfResult {
     }
 }
 
-/// One row per vertex; those of no face are at the origin.
-fn per_vertex(mesh: &TriMesh, uv: &UvMap) -> Vec<[f64; 2]> {
-    let mut rows = vec![[0.0; 2]; mesh.vertex_count()];
-    for (vertex, id) in mesh.faces().as_flattened().iter().zip(uv.corners()) {
-        let point = uv.points()[id.index()];
-        rows[vertex.index()] = [point.x, point.y];
+/// The rows of a map, of each the vertex, and the row of every corner. Of a map with one row per vertex the last two are empty; it
+/// is one unless rows per corner are asked for, or a vertex has several.
+fn rows_of(mesh: &TriMesh, uv: &UvMap, is_per_corner: bool) -> (Vec<[f64; 2]>, Vec<u32>, Vec<u32>) {
+    let rows = |points: &[Point2<f64>]| points.iter().map(|p| [p.x, p.y]).collect();
+    let per_vertex = if is_per_corner { None } else { uv.one_per_vertex(mesh) };
+    if let Some(points) = per_vertex {
+        return (rows(&points), Vec::new(), Vec::new());
     }
-    rows
-}
-
-/// One row per point, the vertex of each, and the row of every corner.
-fn per_corner(mesh: &TriMesh, uv: &UvMap) -> (Vec<[f64; 2]>, Vec<u32>, Vec<u32>) {
     let mut remap = vec![0; uv.points().len()];
     let corners = || uv.corners().iter().map(|id| id.index());
     corners().zip(mesh.faces().as_flattened()).for_each(|(row, vertex)| remap[row] = vertex.index() as u32);
-    (uv.points().iter().map(|p| [p.x, p.y]).collect(), remap, corners().map(|row| row as u32).collect())
+    (rows(uv.points()), remap, corners().map(|row| row as u32).collect())
 }
 
 /// Where an array begins; null where there is none.

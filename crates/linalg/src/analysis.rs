@@ -64,12 +64,7 @@ impl Analysis {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A square of `n × n` vertices with one diagonal a cell.
-    fn sheet(n: u32) -> Graph {
-        let cells = (1..n).flat_map(|i| (1..n).map(move |j| (i * n + j, n)));
-        Graph::from_edges((n * n) as usize, cells.flat_map(|(v, n)| [(v, v - 1), (v, v - n), (v, v - n - 1)]))
-    }
+    use crate::test_support::sheet;
 
     #[test]
     fn the_cheaper_order_is_kept() {

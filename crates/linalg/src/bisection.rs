@@ -277,22 +277,9 @@ fn straighten(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_support::with_threads;
+    use crate::test_support::{sheet, with_threads};
     use crate::{SymbolicCholesky, SymmetricPattern};
     use std::sync::Arc;
-
-    /// A square of `n × n` vertices with one diagonal a cell.
-    fn sheet(n: usize) -> Graph {
-        let at = |i: usize, j: usize| (i * n + j) as u32;
-        let cells = (1..n).flat_map(|i| (1..n).map(move |j| (i, j)));
-        Graph::from_edges(
-            n * n,
-            cells.flat_map(move |(i, j)| {
-                let (a, b, c, d) = (at(i - 1, j - 1), at(i - 1, j), at(i, j - 1), at(i, j));
-                [(a, b), (a, c), (a, d), (b, d), (c, d)]
-            }),
-        )
-    }
 
     fn flops(graph: &Graph, order: &Permutation) -> f64 {
         let pattern = SymmetricPattern::of_blocks(graph, order, 1);

@@ -33,6 +33,19 @@ pub(crate) fn with_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Se
     abf_parallel::with_threads(threads, run).expect("threads")
 }
 
+/// A square of `n × n` vertices with one diagonal a cell.
+pub(crate) fn sheet(n: usize) -> Graph {
+    let at = |i: usize, j: usize| (i * n + j) as u32;
+    let cells = (1..n).flat_map(|i| (1..n).map(move |j| (i, j)));
+    Graph::from_edges(
+        n * n,
+        cells.flat_map(move |(i, j)| {
+            let (a, b, c, d) = (at(i - 1, j - 1), at(i - 1, j), at(i, j - 1), at(i, j));
+            [(a, b), (a, c), (a, d), (b, d), (c, d)]
+        }),
+    )
+}
+
 /// A symmetric matrix with these entries of its lower triangle, in the order given.
 pub(crate) fn symmetric(size: usize, lower: &[(usize, usize, f64)]) -> SymmetricMatrix<f64> {
     ordered(size, lower, &Permutation::identity(size))

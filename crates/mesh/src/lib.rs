@@ -17,6 +17,7 @@ mod ids;
 pub mod io;
 pub mod predicates;
 mod submesh;
+pub mod text;
 mod topology;
 mod tri_mesh;
 mod uv_map;

@@ -82,6 +82,21 @@ impl UvMap {
         Self { points, corners: vertices.map(|v| ids[v.index()]).collect() }
     }
 
+    /// The UV of every vertex of the mesh, where none has several; the origin for those of no face. UVs are told apart by their bits,
+    /// so that −0 survives. `None` where a vertex has several: such a map needs a row for every point, and the row of each corner.
+    #[must_use]
+    pub fn one_per_vertex(&self, mesh: &TriMesh) -> Option<Vec<Point2<f64>>> {
+        let bits = |p: Point2<f64>| [p.x.to_bits(), p.y.to_bits()];
+        let mut found: Vec<Option<Point2<f64>>> = vec![None; mesh.vertex_count()];
+        for (v, id) in mesh.faces().as_flattened().iter().zip(&self.corners) {
+            let uv = self.points[id.index()];
+            if bits(*found[v.index()].get_or_insert(uv)) != bits(uv) {
+                return None;
+            }
+        }
+        Some(found.into_iter().map(|uv| uv.unwrap_or_else(Point2::origin)).collect())
+    }
+
     /// The UV points.
     #[must_use]
     pub fn points(&self) -> &[Point2<f64>] {

@@ -201,6 +201,16 @@ pub(crate) fn indices_of(faces: &[[VertexId; 3]]) -> Vec<[u32; 3]> {
     faces.iter().map(|face| face.map(|v| v.index() as u32)).collect()
 }
 
+/// The rows of a map as they go out: one per vertex, or, where that is asked for or a vertex has several, one per point and
+/// the row of every corner.
+pub(crate) fn rows_of(mesh: &TriMesh, map: &UvMap, is_per_corner: bool) -> (Vec<[f64; 2]>, Option<Vec<[u32; 3]>>) {
+    let per_vertex = if is_per_corner { None } else { map.one_per_vertex(mesh) };
+    match per_vertex {
+        Some(points) => (xy(&points), None),
+        None => (xy(map.points()), Some(indices_of_uv(map))),
+    }
+}
+
 /// The rows of every corner of a map, as they go out.
 pub(crate) fn indices_of_uv(map: &UvMap) -> Vec<[u32; 3]> {
     map.corners().as_chunks::<3>().0.iter().map(|face| face.map(|id| id.index() as u32)).collect()

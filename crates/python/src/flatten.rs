@@ -1,11 +1,10 @@
 //! `flatten`: a disk to the plane.
 
-use crate::arrays::{Given, Rows, indices_of_uv, out2, xy};
+use crate::arrays::{Given, Rows, out2, rows_of};
 use crate::errors::Raised;
 use crate::results::{injective, metrics, pinned, relaxed};
 use crate::settings::Keywords;
 use crate::supervise::Supervision;
-use abf::mesh::TriMesh;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -26,10 +25,7 @@ pub(crate) fn flatten<'py>(
         let mesh = given.mesh()?;
         let flat = pipeline.run(&mesh, observer).map_err(Raised::raised)?;
         let measured = flat.metrics(&mesh).map_err(Raised::raised)?;
-        let parts = flat.injective.as_ref().map_or(1, |report| report.parts);
-        // A map in parts has more points than vertices.
-        let rows = (parts > 1).then(|| indices_of_uv(&flat.uv));
-        let uv = if rows.is_some() { xy(flat.uv.points()) } else { per_vertex(&mesh, &flat.uv) };
+        let (uv, rows) = rows_of(&mesh, &flat.uv, false);
         Ok((uv, rows, flat, measured))
     })?;
     let out = PyDict::new(py);
@@ -44,14 +40,4 @@ pub(crate) fn flatten<'py>(
     out.set_item("pinned", flat.pinned.as_ref().map(|report| pinned(py, report)).transpose()?)?;
     out.set_item("tried", flat.rungs.iter().map(|rung| rung.solver.name()).collect::<Vec<_>>())?;
     Ok(out)
-}
-
-/// One row per vertex; those of no face are at the origin.
-pub(crate) fn per_vertex(mesh: &TriMesh, uv: &abf::mesh::UvMap) -> Vec<[f64; 2]> {
-    let mut rows = vec![[0.0; 2]; mesh.vertex_count()];
-    for (vertex, id) in mesh.faces().as_flattened().iter().zip(uv.corners()) {
-        let point = uv.points()[id.index()];
-        rows[vertex.index()] = [point.x, point.y];
-    }
-    rows
 }

@@ -1,7 +1,7 @@
 //! `relax`: a map that anybody made to less of an energy.
 
-use crate::arrays::{Mapped, indices_of_uv, out1, out2, xy};
-use crate::errors::Raised;
+use crate::arrays::{Mapped, out1, out2, rows_of};
+use crate::errors::{Raised, chain};
 use crate::results::{metrics, pinned, relaxed};
 use crate::settings::Keywords;
 use crate::supervise::Supervision;
@@ -28,19 +28,16 @@ pub(crate) fn relax<'py>(
         Ok((mesh, map, measured))
     })?;
     let out = PyDict::new(py);
-    if is_per_corner {
-        out.set_item("uv", out2(py, xy(map.uv.points()))?)?;
-        out.set_item("uv_faces", out2(py, indices_of_uv(&map.uv))?)?;
-    } else {
-        out.set_item("uv", out2(py, crate::flatten::per_vertex(&mesh, &map.uv))?)?;
-        out.set_item("uv_faces", py.None())?;
-    }
+    let (uv, rows) = rows_of(&mesh, &map.uv, is_per_corner);
+    out.set_item("uv", out2(py, uv)?)?;
+    out.set_item("uv_faces", rows.map(|rows| out2(py, rows)).transpose()?)?;
     out.set_item("metrics", metrics(py, &measured)?)?;
     out.set_item("termination", map.termination.to_string())?;
     out.set_item("certified", map.is_certified())?;
     out.set_item("chart_of_face", out1(py, map.chart_of_face.iter().map(|&chart| chart as i32).collect()))?;
     let charts = map.charts.iter().map(|report| report.as_ref().map(|report| relaxed(py, report)).transpose());
     out.set_item("charts", charts.collect::<PyResult<Vec<_>>>()?)?;
+    out.set_item("refused", map.refused.iter().map(|error| chain(error)).collect::<Vec<_>>())?;
     out.set_item("pinned", map.pinned.as_ref().map(|report| pinned(py, report)).transpose()?)?;
     Ok(out)
 }

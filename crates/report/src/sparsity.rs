@@ -23,8 +23,13 @@ pub struct SparsityPanel<'a> {
     pub title: &'a str,
     /// How many rows and columns it has.
     pub size: usize,
-    /// Row and column of every entry.
+    /// How many entries it has.
+    pub count: usize,
+    /// Row and column of every entry that is in no block.
     pub entries: &'a [[u32; 2]],
+    /// Indices of which every two, one as the row and one as the column, have an entry: a dense part, without a list of its
+    /// entries.
+    pub blocks: &'a [Vec<u32>],
 }
 
 /// The matrices side by side as a PNG: a pixel is dark where one of its entries is.
@@ -78,8 +83,7 @@ pub fn sparsity_svg(panels: &[SparsityPanel<'_>]) -> String {
             &mut out,
             format_args!(
                 "<text x=\"0\" y=\"-7\" font-family=\"sans-serif\" font-size=\"13\">{title}: {} rows, {} entries</text>\n",
-                panel.size,
-                panel.entries.len()
+                panel.size, panel.count
             ),
         );
         push(&mut out, format_args!("<path transform=\"scale({scale})\" fill=\"#14285a\" d=\""));
@@ -112,10 +116,17 @@ impl Cells {
     fn of(panel: &SparsityPanel<'_>, most: usize) -> Self {
         let size = panel.size.max(1);
         let side = size.min(most);
+        let cell = |k: u32| (k as usize * side / size).min(side - 1);
         let mut columns: Vec<Vec<usize>> = vec![Vec::new(); side];
-        for entry in panel.entries {
-            let [row, column] = entry.map(|k| (k as usize * side / size).min(side - 1));
-            columns[row].push(column);
+        for &[row, column] in panel.entries {
+            columns[cell(row)].push(cell(column));
+        }
+        for block in panel.blocks {
+            // No more cells than there are in the picture.
+            let mut cells: Vec<usize> = block.iter().map(|&k| cell(k)).collect();
+            cells.sort_unstable();
+            cells.dedup();
+            cells.iter().for_each(|&row| columns[row].extend(&cells));
         }
         let runs = columns.into_iter().map(|mut columns| {
             columns.sort_unstable();
@@ -133,7 +144,7 @@ mod tests {
     const ENTRIES: [[u32; 2]; 4] = [[0, 0], [0, 1], [2, 2], [1, 3]];
 
     fn panel(title: &str, size: usize) -> SparsityPanel<'_> {
-        SparsityPanel { title, size, entries: &ENTRIES }
+        SparsityPanel { title, size, count: ENTRIES.len(), entries: &ENTRIES, blocks: &[] }
     }
 
     #[test]
@@ -164,12 +175,24 @@ mod tests {
     }
 
     #[test]
+    fn a_block_is_drawn_as_its_entries_are() {
+        let block: Vec<u32> = (0..40).map(|k| 7 * k % 300).collect();
+        let listed: Vec<[u32; 2]> = block.iter().flat_map(|&a| block.iter().map(move |&b| [a, b])).collect();
+        let blocks = [block];
+        for most in [50, 900] {
+            let dense = Cells::of(&SparsityPanel { size: 300, entries: &[], blocks: &blocks, ..panel("", 0) }, most);
+            let sparse = Cells::of(&SparsityPanel { size: 300, entries: &listed, ..panel("", 0) }, most);
+            assert_eq!((dense.side, dense.runs), (sparse.side, sparse.runs));
+        }
+    }
+
+    #[test]
     fn a_matrix_larger_than_the_panel_has_several_entries_in_a_cell_and_an_empty_one_none() {
         let entries: Vec<[u32; 2]> = (0..5000).map(|k| [k, k]).collect();
-        let cells = Cells::of(&SparsityPanel { title: "", size: 5000, entries: &entries }, 900);
+        let cells = Cells::of(&SparsityPanel { size: 5000, entries: &entries, ..panel("", 0) }, 900);
         assert_eq!(cells.side, 900);
         assert!(cells.runs.iter().enumerate().all(|(k, runs)| runs == &[[k, k + 1]]));
-        let empty = Cells::of(&SparsityPanel { title: "", size: 0, entries: &[] }, 900);
+        let empty = Cells::of(&SparsityPanel { entries: &[], ..panel("", 0) }, 900);
         assert!(empty.side == 1 && empty.runs.iter().all(Vec::is_empty));
     }
 }

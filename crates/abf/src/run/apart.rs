@@ -1,8 +1,47 @@
-//! Walks over a map, by which two faces that lie over each other are taken apart.
+//! Maps that lie over themselves, taken apart by walks over them.
 
+use crate::FlattenError;
+use abf_control::Checkpoint;
 use abf_cut::FaceWalks;
 use abf_mesh::{FaceId, UvId, UvMap, Vector2};
+use abf_metrics::Certificate;
 use std::collections::HashMap;
+
+/// A part of a map that is taken apart.
+pub(crate) trait Part: Sized {
+    /// What is proved of it.
+    fn certificate(&self) -> &Certificate;
+
+    /// The walks over it.
+    fn walks(&self) -> FaceWalks;
+
+    /// Some of its faces, by their numbers in it, as a part.
+    fn some_faces(&self, faces: &[usize], checkpoint: &mut Checkpoint<'_>) -> Result<Self, FlattenError>;
+}
+
+/// Parts of a map none of which lies over itself, in no order. Of two faces that lie over each other each gets the faces that are
+/// nearer to it in the plane, walking from face to face.
+pub(crate) fn taken_apart<P: Part>(whole: P, checkpoint: &mut Checkpoint<'_>) -> Result<Vec<P>, FlattenError> {
+    let (mut waiting, mut done) = (vec![whole], Vec::new());
+    while let Some(part) = waiting.pop() {
+        let certificate = part.certificate();
+        // Of a single face there is no pair.
+        let pair = certificate.overlapping_faces.first().copied().filter(|[one, other]| one != other);
+        let Some([one, other]) = pair.filter(|_| certificate.overlaps() > 0) else {
+            done.push(part);
+            continue;
+        };
+        checkpoint()?;
+        let is_others = part.walks().nearer_to_second(one.index(), other.index(), checkpoint)?;
+        for side in [true, false] {
+            let faces: Vec<usize> = (0..is_others.len()).filter(|&f| is_others[f] == side).collect();
+            if !faces.is_empty() {
+                waiting.push(part.some_faces(&faces, checkpoint)?);
+            }
+        }
+    }
+    Ok(done)
+}
 
 /// The walks from face to face in the plane, from middle to middle; `stays` says across which sides faces stay together.
 pub(crate) fn walks(uv: &UvMap, stays: impl Fn(usize, usize) -> bool) -> FaceWalks {

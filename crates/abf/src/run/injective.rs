@@ -1,14 +1,15 @@
 //! A map that lies over itself made one that does not.
 
-use super::apart::walks;
+use super::apart::{Part, taken_apart, walks};
 use super::relax::upright;
 use super::task::{Certified, Given, Single, Task};
 use crate::settings::Injective;
 use crate::{FlattenError, Flattening, InjectiveReport, LayoutReport, PrecisionLimits};
-use abf_control::{Event, Observer, Stage, StopCriteria, Termination, ask};
+use abf_control::{Checkpoint, Event, Observer, Stage, StopCriteria, Termination, ask};
+use abf_cut::FaceWalks;
 use abf_embed::{EmbedError, Energy, InjectiveDrawing, Relax, boundary_gap, vertex_points};
-use abf_mesh::{FaceId, Point2, UvId, UvMap, Vector2};
-use abf_metrics::certify_asking;
+use abf_mesh::{FaceId, Point2, TriMesh, UvId, UvMap, Vector2};
+use abf_metrics::{Certificate, Precision, certify_asking};
 
 /// The largest gap that can be asked for, as a part of the side of a square as large as the surface.
 const MOST_GAP: f64 = 0.25;
@@ -138,9 +139,12 @@ fn split(given: Given<'_>, flat: Flattening, observer: &mut dyn Observer) -> Res
         return Ok(flat);
     }
     ask(observer, Event::StageStarted(Stage::Certificate))?;
-    let parts = parts(&given, &flat, observer)?;
+    // Squares of lengths would underflow at another scale. A power of two moves no bit.
+    let scale = if given.pipeline.normalize { 1.0 } else { given.scale };
+    let worked_on = flat.uv.clone().mapped(|p| p * scale);
+    let parts = parts(&given, &worked_on, observer)?;
     let precision = given.pipeline.precision;
-    let uv = side_by_side(&flat.uv, &parts);
+    let uv = side_by_side(&worked_on, &parts).mapped(|p| p / scale);
     let uv = if given.pipeline.normalize { uv.normalized() } else { uv };
     let uv = uv.mapped(|p| p.map(|x| precision.round(x)));
     let checkpoint = &mut || ask(observer, Event::Working);
@@ -177,28 +181,49 @@ fn split(given: Given<'_>, flat: Flattening, observer: &mut dyn Observer) -> Res
 }
 
 /// The faces of every part, ascending; the part with the first face first.
-fn parts(given: &Given<'_>, flat: &Flattening, observer: &mut dyn Observer) -> Result<Vec<Vec<FaceId>>, FlattenError> {
-    let mut waiting: Vec<Vec<FaceId>> = vec![given.problem.topology().faces().collect()];
-    let mut done: Vec<Vec<FaceId>> = Vec::new();
-    while let Some(faces) = waiting.pop() {
-        let checkpoint = &mut || ask(observer, Event::Working);
+fn parts(given: &Given<'_>, uv: &UvMap, observer: &mut dyn Observer) -> Result<Vec<Vec<FaceId>>, FlattenError> {
+    let checkpoint = &mut || ask(observer, Event::Working);
+    let all = given.problem.topology().faces().collect();
+    let whole = PartOfMap::of((given.mesh, uv), given.pipeline.precision, all, checkpoint)?;
+    let mut parts: Vec<Vec<FaceId>> = taken_apart(whole, checkpoint)?.into_iter().map(|part| part.faces).collect();
+    parts.sort_by_key(|faces| faces[0]);
+    Ok(parts)
+}
+
+struct PartOfMap<'m> {
+    map: (&'m TriMesh, &'m UvMap),
+    precision: Precision,
+    faces: Vec<FaceId>,
+    uv: UvMap,
+    certificate: Certificate,
+}
+
+impl<'m> PartOfMap<'m> {
+    fn of(
+        map: (&'m TriMesh, &'m UvMap),
+        precision: Precision,
+        faces: Vec<FaceId>,
+        checkpoint: &mut Checkpoint<'_>,
+    ) -> Result<Self, FlattenError> {
         let corners = || faces.iter().map(|f| f.corners());
-        let mesh = given.original.submesh(corners()).mesh;
-        let uv = flat.uv.submap(corners());
-        let certificate = certify_asking(&mesh, &uv, given.pipeline.precision, checkpoint)?;
-        let pair = certificate.overlapping_faces.first().copied().filter(|[one, other]| one != other);
-        let Some([one, other]) = pair.filter(|_| certificate.overlaps() > 0) else {
-            done.push(faces);
-            continue;
-        };
-        let is_others = walks(&uv, |_, _| false).nearer_to_second(one.index(), other.index(), checkpoint)?;
-        for side in [true, false] {
-            let part = faces.iter().zip(&is_others).filter(|&(_, &other)| other == side).map(|(&face, _)| face);
-            waiting.push(part.collect());
-        }
+        let uv = map.1.submap(corners());
+        let certificate = certify_asking(&map.0.submesh(corners()).mesh, &uv, precision, checkpoint)?;
+        Ok(Self { map, precision, faces, uv, certificate })
     }
-    done.sort_by_key(|faces| faces[0]);
-    Ok(done)
+}
+
+impl Part for PartOfMap<'_> {
+    fn certificate(&self) -> &Certificate {
+        &self.certificate
+    }
+
+    fn walks(&self) -> FaceWalks {
+        walks(&self.uv, |_, _| false)
+    }
+
+    fn some_faces(&self, faces: &[usize], checkpoint: &mut Checkpoint<'_>) -> Result<Self, FlattenError> {
+        Self::of(self.map, self.precision, faces.iter().map(|&f| self.faces[f]).collect(), checkpoint)
+    }
 }
 
 /// The parts in a row, each with points of its own.

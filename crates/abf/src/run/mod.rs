@@ -19,7 +19,7 @@ use abf_control::{Event, Observer, Silent, Stage, TimeBudget, ask};
 use abf_embed::Relax;
 use abf_mesh::{GeometryError, Topology, TriMesh};
 use abf_solve_linabf::{LinAbf, Passes};
-pub(crate) use apart::{neighbours, walks};
+pub(crate) use apart::{Part, neighbours, taken_apart, walks};
 use ladder::climb;
 use std::num::NonZeroUsize;
 use task::{Given, Single, Task, begin};

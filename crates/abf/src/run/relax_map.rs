@@ -19,8 +19,10 @@ impl Pipeline {
     /// get the shares that they have of the surface; each keeps its centre, and is turned as little as can be. They may
     /// come to lie over each other. Pins, which are for one chart without seams, say where it is instead.
     ///
+    /// A chart that cannot be relaxed, as it is no manifold for example, stays as it was. [`RelaxedMap::refused`] says why.
+    ///
     /// # Errors
-    /// [`FlattenError`] for settings out of range, coordinates that are not finite, and charts that are no manifolds.
+    /// [`FlattenError`] for settings out of range, coordinates that are not finite, and where no chart at all can be relaxed.
     pub fn relax_map(
         &self,
         mesh: &TriMesh,
@@ -48,7 +50,8 @@ impl Pipeline {
         let ratio = if area > 0.0 && area.is_finite() && surface > 0.0 { area / surface } else { 1.0 };
         let inner = Self { normalize: false, ..asked };
         let mut points = cut.places.clone();
-        let (mut charts, mut pins, mut termination) = (Vec::new(), None, Termination::Converged);
+        let (mut charts, mut refused, mut pins, mut termination) =
+            (Vec::new(), Vec::new(), None, Termination::Converged);
         for chart in cut.charts(mesh) {
             // Stopped, or out of time: what is left stays as it is.
             if termination.is_interruption() {
@@ -58,7 +61,17 @@ impl Pipeline {
             let job = Job { pipeline: &inner, mesh: &chart.mesh, ratio };
             let start: Vec<Point2<f64>> =
                 chart.locals.iter().map(|local| local.map_or(Point2::origin(), |l| points[l])).collect();
-            let done = job.run(start, &budget.left(), observer).map_err(|error| chart.error(error))?;
+            let done = match job.run(start, &budget.left(), observer) {
+                Ok(done) => done,
+                Err(error) => {
+                    refused.push(chart.refusal(error)?);
+                    charts.push(None);
+                    if termination.is_as_asked() {
+                        termination = Termination::Stalled;
+                    }
+                    continue;
+                }
+            };
             if termination.is_as_asked() {
                 termination = done.termination;
             }
@@ -68,11 +81,14 @@ impl Pipeline {
             charts.push(done.report);
             pins = pins.or(done.pinned);
         }
+        if refused.len() == charts.len() {
+            return Err(refused.swap_remove(0));
+        }
         let uv = UvMap::new(points, cut.corners);
         let uv = if self.normalize { uv.normalized() } else { uv };
         let uv = uv.mapped(|p| p.map(|x| self.precision.round(x)));
         let certificate = certify_asking(mesh, &uv, self.precision, &mut || ask(observer, Event::Working))?;
-        Ok(RelaxedMap { uv, certificate, termination, chart_of_face: cut.chart_of_face, charts, pinned: pins })
+        Ok(RelaxedMap { uv, certificate, termination, chart_of_face: cut.chart_of_face, charts, refused, pinned: pins })
     }
 }
 
@@ -119,10 +135,13 @@ struct Chart {
 }
 
 impl Chart {
-    fn error(&self, error: FlattenError) -> FlattenError {
-        match (error, self.first) {
-            (error @ (FlattenError::Cancelled(_) | FlattenError::Memory { .. }), _) | (error, None) => error,
-            (error, Some(face)) => FlattenError::RelaxChart { face, source: Box::new(error) },
+    /// Why it stays as it was; an error where that ends the others, too.
+    fn refusal(&self, error: FlattenError) -> Result<FlattenError, FlattenError> {
+        let is_of_all =
+            matches!(error, FlattenError::Cancelled(_) | FlattenError::Memory { .. }) || error.is_of_settings();
+        match self.first {
+            Some(face) if !is_of_all => Ok(FlattenError::RelaxChart { face, source: Box::new(error) }),
+            _ => Err(error),
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use super::finish::{Finished, excerpt};
 use crate::FlattenError;
-use crate::run::walks;
+use crate::run::{Part, taken_apart, walks};
 use abf_control::Checkpoint;
-use abf_cut::Chart;
+use abf_cut::{Chart, FaceWalks};
 use abf_mesh::{CornerId, FaceId, TriMesh};
+use abf_metrics::Certificate;
 
 /// Parts of a valid map of a piece none of which lies over itself.
 ///
@@ -18,33 +19,34 @@ pub(super) fn take_apart(
     may_not_cut: &dyn Fn(CornerId) -> bool,
     checkpoint: &mut Checkpoint<'_>,
 ) -> Result<Vec<Finished>, FlattenError> {
-    let all: Vec<FaceId> = (0..whole.uv.corners().len() / 3).map(FaceId::new).collect();
-    let mut waiting = vec![(all, whole)];
-    let mut done: Vec<(Vec<FaceId>, Finished)> = Vec::new();
-    while let Some((in_mesh, chart)) = waiting.pop() {
-        // Of a single face there is no pair.
-        let pair = chart.metrics.certificate.overlapping_faces.first().copied().filter(|[one, other]| one != other);
-        let [one, other] = match pair {
-            Some(pair) if chart.metrics.certificate.overlaps() > 0 => pair,
-            _ => {
-                done.push((in_mesh, chart));
-                continue;
-            }
-        };
-        checkpoint()?;
-        let walks = walks(&chart.uv, |f, k| may_not_cut(chart.faces[f].corner(k)));
-        let is_others = walks.nearer_to_second(one.index(), other.index(), checkpoint)?;
-        for side in [true, false] {
-            let places: Vec<usize> = (0..in_mesh.len()).filter(|&f| is_others[f] == side).collect();
-            if places.is_empty() {
-                continue;
-            }
-            let part: Vec<FaceId> = places.iter().map(|&f| in_mesh[f]).collect();
-            waiting.push((part.clone(), part_of(&piece.mesh, &chart, &in_mesh, &places, checkpoint)?));
-        }
+    let in_mesh = (0..whole.uv.corners().len() / 3).map(FaceId::new).collect();
+    let parts = taken_apart(PartOfPiece { piece, may_not_cut, in_mesh, chart: whole }, checkpoint)?;
+    let mut charts: Vec<Finished> = parts.into_iter().map(|part| part.chart).collect();
+    charts.sort_by_key(|chart| chart.faces[0]);
+    Ok(charts)
+}
+
+struct PartOfPiece<'p> {
+    piece: &'p Chart,
+    may_not_cut: &'p dyn Fn(CornerId) -> bool,
+    /// Its faces in the mesh of the piece.
+    in_mesh: Vec<FaceId>,
+    chart: Finished,
+}
+
+impl Part for PartOfPiece<'_> {
+    fn certificate(&self) -> &Certificate {
+        &self.chart.metrics.certificate
     }
-    done.sort_by_key(|(_, chart)| chart.faces[0]);
-    Ok(done.into_iter().map(|(_, chart)| chart).collect())
+
+    fn walks(&self) -> FaceWalks {
+        walks(&self.chart.uv, |f, k| (self.may_not_cut)(self.chart.faces[f].corner(k)))
+    }
+
+    fn some_faces(&self, faces: &[usize], checkpoint: &mut Checkpoint<'_>) -> Result<Self, FlattenError> {
+        let chart = part_of(&self.piece.mesh, &self.chart, &self.in_mesh, faces, checkpoint)?;
+        Ok(Self { in_mesh: faces.iter().map(|&f| self.in_mesh[f]).collect(), chart, ..*self })
+    }
 }
 
 pub(super) fn part_of(

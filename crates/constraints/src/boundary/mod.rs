@@ -99,12 +99,10 @@ impl Boundary {
     /// [`BoundaryError::Angles`] with every line that is none.
     pub fn read_angles(text: &str) -> Result<Self, BoundaryError> {
         let (mut angles, mut bad) = (Vec::new(), Vec::new());
-        for (number, line) in text.lines().enumerate() {
-            let line = line.split('#').next().unwrap_or_default();
+        for (number, line) in abf_mesh::text::lines(text) {
             let words: Vec<&str> = line.split_whitespace().collect();
-            let at = Some(number + 1);
+            let at = Some(number);
             match words.as_slice() {
-                [] => {}
                 [vertex, angle] => match (vertex.parse(), angle.parse()) {
                     (Ok(vertex), Ok(angle)) => angles.push(BoundaryAngle { vertex, angle, line: at }),
                     _ => bad.push(BadAngle { vertex: None, line: at, cause: BadAngleCause::Unreadable }),
@@ -171,6 +169,13 @@ mod tests {
             let error = text.parse::<Boundary>().unwrap_err().to_string();
             assert!(error.starts_with("boundary must be "), "{error}");
         }
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_no_part_of_the_first_vertex() {
+        let text = "3 1.5\r\n7 2.5\r\n";
+        let [plain, marked] = ["", "\u{feff}"].map(|mark| Boundary::read_angles(&format!("{mark}{text}")));
+        assert!(plain.is_ok() && plain == marked, "{marked:?}");
     }
 
     #[test]

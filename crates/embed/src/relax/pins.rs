@@ -146,19 +146,15 @@ impl Pins {
     pub fn read(text: &str) -> Result<Self, PinError> {
         let (mut pins, mut faults) = (Vec::new(), Vec::new());
         let mut seen = HashSet::new();
-        for (k, line) in text.lines().enumerate() {
-            let meant = line.split('#').next().unwrap_or_default().trim();
-            if meant.is_empty() {
-                continue;
-            }
+        for (line, meant) in abf_mesh::text::lines(text) {
             match read_pin(meant) {
                 Some(pin) => {
                     let doubled = (!seen.insert(pin.vertex)).then_some(PinFault::Doubled(pin.vertex));
                     let found = doubled.into_iter().chain(pin.not_finite());
-                    faults.extend(found.map(|fault| PinFault::InLine { line: k + 1, fault: Box::new(fault) }));
+                    faults.extend(found.map(|fault| PinFault::InLine { line, fault: Box::new(fault) }));
                     pins.push(pin);
                 }
-                None => faults.push(PinFault::Line { line: k + 1, text: meant.to_owned() }),
+                None => faults.push(PinFault::Line { line, text: meant.to_owned() }),
             }
         }
         if faults.is_empty() { Ok(Self { pins }) } else { Err(PinError { faults }) }

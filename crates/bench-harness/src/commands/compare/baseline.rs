@@ -29,12 +29,13 @@ impl Baseline {
             schema: String,
         }
         let text = fs::read_to_string(path).map_err(|error| Failure::unreadable(path, &error))?;
+        let text = abf_mesh::text::without_mark(&text);
         let none = |error: serde_json::Error| Failure::no_baseline(path, &error.to_string());
-        let top: Top = serde_json::from_str(&text).map_err(none)?;
+        let top: Top = serde_json::from_str(text).map_err(none)?;
         if top.schema != SCHEMA {
             return Err(Failure::no_baseline(path, &format!("its \"schema\" is not \"{SCHEMA}\"")));
         }
-        let document: Document = serde_json::from_str(&text).map_err(none)?;
+        let document: Document = serde_json::from_str(text).map_err(none)?;
         let results = document.results.into_iter().map(|record| (key(&record), record)).collect();
         Ok(Self { file: path.display().to_string(), results })
     }

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::super::WriteError;
 use super::super::blocks::{in_blocks, to_stream};
 use super::VertexColours;
-use crate::{FaceId, Point2, TriMesh, UvMap};
+use crate::{FaceId, TriMesh, UvMap};
 
 /// Writes a binary little-endian PLY of doubles.
 ///
@@ -30,7 +30,7 @@ pub(crate) fn write_coloured(
     uv: Option<&UvMap>,
     colours: Option<&VertexColours>,
 ) -> io::Result<()> {
-    let per_vertex = uv.and_then(|map| one_per_vertex(mesh, map));
+    let per_vertex = uv.and_then(|map| map.one_per_vertex(mesh));
     let per_corner = uv.filter(|_| per_vertex.is_none());
     write!(out, "ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.vertex_count())?;
     out.write_all(b"property double x\nproperty double y\nproperty double z\n")?;
@@ -69,24 +69,10 @@ fn doubles<'a>(block: &mut Vec<u8>, numbers: impl IntoIterator<Item = &'a f64>) 
     numbers.into_iter().for_each(|x| block.extend_from_slice(&x.to_le_bytes()));
 }
 
-/// The UV of every vertex, if none has several. "The same" is to the bit, so that −0 survives.
-fn one_per_vertex(mesh: &TriMesh, map: &UvMap) -> Option<Vec<Point2<f64>>> {
-    let bits = |p: Point2<f64>| [p.x.to_bits(), p.y.to_bits()];
-    let mut found: Vec<Option<Point2<f64>>> = vec![None; mesh.vertex_count()];
-    for (v, id) in mesh.faces().iter().flatten().zip(map.corners()) {
-        let uv = map.points()[id.index()];
-        let known = *found[v.index()].get_or_insert(uv);
-        if bits(known) != bits(uv) {
-            return None;
-        }
-    }
-    Some(found.into_iter().map(|uv| uv.unwrap_or_else(Point2::origin)).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Point3, UvId};
+    use crate::{Point2, Point3, UvId};
 
     fn triangle() -> TriMesh {
         let p = [[0.0, -0.0, 1e300], [1e-300, 1.0, 0.1], [123_456_789.0, 1.0 / 3.0, -2.5]];
