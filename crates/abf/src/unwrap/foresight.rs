@@ -71,11 +71,6 @@ impl Foresight {
         piece: &Chart,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<bool, Cancelled> {
-        // Where no vertex lies inside there is nothing to scale.
-        if !piece.topology.vertices().any(|v| piece.topology.is_interior(v)) {
-            (self.l2, self.log_scale) = (None, None);
-            return Ok(false);
-        }
         let none = Seams::none(&piece.topology);
         let foreseen = self.of(piece.mesh.face_count(), (&piece.mesh, &piece.topology), &none, checkpoint)?;
         Ok(foreseen.is_some() && self.is_hopeless())

@@ -24,6 +24,9 @@ use std::num::NonZeroUsize;
 /// holes open: half a sphere has 2π.
 const MOST_CURVED: f64 = 1.5 * PI;
 
+/// A piece unfolds when the sizes of its angle deficits sum to no more than this, rad: no stretch to speak of can be foreseen.
+const UNFOLDS: f64 = 1e-4;
+
 impl Component<'_, '_> {
     /// Flattens a piece, or finds that it has to be parted.
     pub(super) fn attempt(&self, piece: &Chart) -> Result<Attempt, FlattenError> {
@@ -34,16 +37,20 @@ impl Component<'_, '_> {
             return Ok(Attempt::Done(vec![flat], Vec::new()));
         }
         let is_disk = piece.topology.require_disk().is_ok();
+        let curvature = Curvature::of(piece);
+        let is_little_curved = curvature.total.abs() <= MOST_CURVED;
         let may_stay_open = match self.settings.holes {
             HoleRule::Free => is_planar_with_holes(&piece.topology),
-            HoleRule::Auto => is_planar_with_holes(&piece.topology) && total_curvature(piece).abs() <= MOST_CURVED,
+            HoleRule::Auto => is_planar_with_holes(&piece.topology) && is_little_curved,
             HoleRule::Fill(_) | HoleRule::Cut => false,
         };
         let mut foresight = Foresight::new(self.settings.max_stretch);
         // What is foreseen is the stretch of a conformal map.
         let is_relaxed = self.settings.pipeline.relax.is_some();
-        let may_do_as_it_is = (is_disk || may_stay_open)
-            && (is_relaxed || !foresight.is_hopeless_as_it_is(piece, &mut || self.go_on())?);
+        // What unfolds is worth it.
+        let is_sure = is_relaxed || curvature.absolute <= UNFOLDS;
+        let may_do_as_it_is =
+            (is_disk || may_stay_open) && (is_sure || !foresight.is_hopeless_as_it_is(piece, &mut || self.go_on())?);
         let as_it_is = if may_do_as_it_is { self.as_it_is(piece, is_disk, &mut foresight)? } else { None };
         if let Some(attempt) = as_it_is {
             return Ok(attempt);
@@ -55,8 +62,8 @@ impl Component<'_, '_> {
             HoleRule::Cut | HoleRule::Free => None,
         };
         let may_be_cut = self.settings.holes == HoleRule::Auto && has_holes;
-        let is_little_curved = may_be_cut && total_curvature(piece).abs() <= MOST_CURVED;
-        let with_holes_cut = if is_little_curved { self.with_holes_cut(piece, &mut foresight)? } else { None };
+        let with_holes_cut =
+            if may_be_cut && is_little_curved { self.with_holes_cut(piece, &mut foresight)? } else { None };
         if let Some(attempt) = with_holes_cut {
             return Ok(attempt);
         }
@@ -357,10 +364,25 @@ fn is_planar_with_holes(topology: &Topology) -> bool {
     loops > 0 && topology.euler_characteristic() == 2 - loops
 }
 
-/// The sum of the angle deficits of all interior vertices, rad.
-fn total_curvature(piece: &Chart) -> f64 {
-    let topology = &piece.topology;
-    let angles = piece.mesh.corner_angles();
-    let interior = topology.vertices().filter(|&v| topology.is_interior(v));
-    interior.map(|v| TAU - topology.fan(v).map(|c| angles[c.index()]).sum::<f64>()).sum()
+/// The angle deficits of all interior vertices.
+struct Curvature {
+    /// Their sum, rad.
+    total: f64,
+    /// The sum of their sizes, rad.
+    absolute: f64,
+}
+
+impl Curvature {
+    fn of(piece: &Chart) -> Self {
+        let topology = &piece.topology;
+        let mut sums = vec![0.0; topology.vertex_count()];
+        for (c, angle) in topology.corners().zip(piece.mesh.corner_angles()) {
+            sums[topology.vertex(c).index()] += angle;
+        }
+        let interior = topology.vertices().filter(|&v| topology.is_interior(v));
+        interior.map(|v| TAU - sums[v.index()]).fold(Self { total: 0.0, absolute: 0.0 }, |sum, deficit| Self {
+            total: sum.total + deficit,
+            absolute: sum.absolute + deficit.abs(),
+        })
+    }
 }
