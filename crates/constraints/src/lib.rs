@@ -41,6 +41,6 @@ pub use counts::KktCounts;
 pub use jacobian::Jacobian;
 pub use problem::{AngleProblem, GuessSettings, ProblemError};
 pub use reduction::{TriangleReduction, TriangleRows};
-pub use residual::{RESIDUAL_CLAMP, angles_out_of_range, largest, linearise, max_residual, residual};
+pub use residual::{RESIDUAL_CLAMP, angles_out_of_range, largest, linearise, linearise_into, max_residual, residual};
 pub use rows::ConstraintRows;
 pub use wheel::{WheelDerivative, WheelForm};

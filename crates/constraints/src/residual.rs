@@ -26,7 +26,8 @@ pub fn residual(form: WheelForm, topology: &Topology, rows: &ConstraintRows, ang
         WheelForm::Log => per_corner(angles, f64::sin),
         WheelForm::Product => Vec::new(),
     };
-    let mut h = with_sines(rows, angles, &sines);
+    let mut h = Vec::new();
+    with_sines(rows, angles, &sines, &mut h);
     if form == WheelForm::Product {
         let wheels = h[rows.vertex(rows.interior_count())..].iter_mut().zip(rows.interior());
         wheels.for_each(|(h, &v)| *h = form.value(topology, v, angles));
@@ -37,7 +38,21 @@ pub fn residual(form: WheelForm, topology: &Topology, rows: &ConstraintRows, ang
 /// The constraints in the log form and the derivative of the wheels, from one sine and one cosine per corner.
 #[must_use]
 pub fn linearise(rows: &ConstraintRows, angles: &[f64]) -> (Vec<f64>, WheelDerivative) {
-    let (mut sines, mut cotangents) = (vec![0.0; angles.len()], vec![0.0; angles.len()]);
+    let (mut residual, mut wheel) = (Vec::new(), WheelDerivative::default());
+    linearise_into(rows, angles, (&mut residual, &mut wheel), &mut Vec::new());
+    (residual, wheel)
+}
+
+/// [`linearise`] in the memory of earlier ones. `sines` is room for a number per corner, whatever is in it.
+pub fn linearise_into(
+    rows: &ConstraintRows,
+    angles: &[f64],
+    (residual, wheel): (&mut Vec<f64>, &mut WheelDerivative),
+    sines: &mut Vec<f64>,
+) {
+    let cotangents = wheel.cotangents_of_logs();
+    sines.resize(angles.len(), 0.0);
+    cotangents.resize(angles.len(), 0.0);
     let chunks = sines.par_chunks_mut(PER_TASK).zip(cotangents.par_chunks_mut(PER_TASK));
     chunks.zip(angles.par_chunks(PER_TASK)).for_each(|((sines, cotangents), angles)| {
         for ((sine, cotangent), x) in sines.iter_mut().zip(cotangents).zip(angles) {
@@ -46,13 +61,13 @@ pub fn linearise(rows: &ConstraintRows, angles: &[f64]) -> (Vec<f64>, WheelDeriv
             *cotangent = c / s;
         }
     });
-    (with_sines(rows, angles, &sines), WheelDerivative::of_cotangents(cotangents))
+    with_sines(rows, angles, sines, residual);
 }
 
-/// The residual, wheels in the log form; they stay zero where no sines are given.
-fn with_sines(rows: &ConstraintRows, angles: &[f64], sines: &[f64]) -> Vec<f64> {
+/// The residual, wheels in the log form; they are zero where no sines are given.
+fn with_sines(rows: &ConstraintRows, angles: &[f64], sines: &[f64], h: &mut Vec<f64>) {
     let (nt, ni) = (rows.triangle_count(), rows.interior_count());
-    let mut h = vec![0.0; rows.len()];
+    h.resize(rows.len(), 0.0);
     let (triangles, others) = h.split_at_mut(nt);
     let (vertices, wheels) = others.split_at_mut(ni);
     triangles.par_chunks_mut(PER_TASK).zip(angles.par_chunks(3 * PER_TASK)).for_each(|(h, angles)| {
@@ -62,12 +77,9 @@ fn with_sines(rows: &ConstraintRows, angles: &[f64], sines: &[f64]) -> Vec<f64> 
         for (k, (vertex, wheel)) in v.iter_mut().zip(w).enumerate() {
             let hubs = rows.hubs(task * PER_TASK + k);
             *vertex = hubs.iter().map(|c| angles[c.index()]).sum::<f64>() - TAU;
-            if !sines.is_empty() {
-                *wheel = log_ratio_of_sines(hubs, sines);
-            }
+            *wheel = if sines.is_empty() { 0.0 } else { log_ratio_of_sines(hubs, sines) };
         }
     });
-    h
 }
 
 /// `Σ log sin x[next] − log sin x[prev]` over a ring.
@@ -84,6 +96,10 @@ pub fn max_residual(topology: &Topology, rows: &ConstraintRows, angles: &[f64]) 
     let all = || angles.par_iter().with_min_len(PER_TASK);
     if all().any(|x| x.is_nan()) {
         return f64::INFINITY;
+    }
+    let inside = RESIDUAL_CLAMP..=PI - RESIDUAL_CLAMP;
+    if all().all(|x| inside.contains(x)) {
+        return largest(&residual(WheelForm::Log, topology, rows, angles));
     }
     let clamped: Vec<f64> = all().map(|x| x.clamp(RESIDUAL_CLAMP, PI - RESIDUAL_CLAMP)).collect();
     largest(&residual(WheelForm::Log, topology, rows, &clamped))

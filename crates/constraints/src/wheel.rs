@@ -65,7 +65,7 @@ fn sine_products(topology: &Topology, vertex: VertexId, angles: &[f64]) -> (f64,
 /// `d wheel / d x[next] = +factor_next · cot x[next]` and
 /// `d wheel / d x[prev] = −factor_prev · cot x[prev]`, the factors being 1 in the log form and the
 /// two sine products in the product form.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct WheelDerivative {
     cotangents: Vec<f64>,
     /// Per interior vertex the factors for next and prev; empty in the log form.
@@ -84,9 +84,10 @@ impl WheelDerivative {
         Self { cotangents, factors }
     }
 
-    /// The derivative in the log form.
-    pub(crate) fn of_cotangents(cotangents: Vec<f64>) -> Self {
-        Self { cotangents, factors: Vec::new() }
+    /// The cotangents, to be written anew: all there is in the log form.
+    pub(crate) fn cotangents_of_logs(&mut self) -> &mut Vec<f64> {
+        self.factors.clear();
+        &mut self.cotangents
     }
 
     /// `cot x` per corner. In the log form these are all the coefficients there are: `+cot x[next]` and

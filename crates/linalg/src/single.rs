@@ -16,7 +16,7 @@ use faer::linalg::solvers::LltError;
 use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
 use faer::{Par, Side};
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -167,22 +167,12 @@ impl SingleCholesky {
     /// `L y = x` for some blocks in a row. `own` are the unknowns of their part and `top` the separating
     /// ones, each with the number of its first.
     fn down(&self, blocks: Range<usize>, (own, own_begin): (&mut [f32], usize), (top, top_begin): (&mut [f32], usize)) {
-        let (rows, mut sums) = (rows_of(&self.symbolic), Vec::new());
-        Arch::new().dispatch(|| {
-            for block in &self.blocks[blocks] {
-                self.forward(block, rows, (&mut *own, own_begin), (&mut *top, top_begin), &mut sums);
-            }
-        });
+        Arch::new().dispatch(Down { factor: self, blocks, own: (own, own_begin), top: (top, top_begin) });
     }
 
     /// `Lᵀ x = y` for some blocks in a row, from the last to the first.
     fn up(&self, blocks: Range<usize>, (own, own_begin): (&mut [f32], usize), top: (&[f32], usize)) {
-        let (rows, mut gathered) = (rows_of(&self.symbolic), Vec::new());
-        Arch::new().dispatch(|| {
-            for block in self.blocks[blocks].iter().rev() {
-                self.backward(block, rows, (&mut *own, own_begin), top, &mut gathered);
-            }
-        });
+        Arch::new().dispatch(Up { factor: self, blocks, own: (own, own_begin), top });
     }
 
     fn split<'a>(&'a self, mut x: &'a mut [f32]) -> Vec<(&'a Part, &'a mut [f32])> {
@@ -311,6 +301,48 @@ impl SingleCholesky {
     }
 }
 
+/// [`SingleCholesky::down`], compiled for the instructions of the processor. A closure would not be: it is a function of its own.
+struct Down<'a> {
+    factor: &'a SingleCholesky,
+    blocks: Range<usize>,
+    own: (&'a mut [f32], usize),
+    top: (&'a mut [f32], usize),
+}
+
+impl WithSimd for Down<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { factor, blocks, own, top } = self;
+        let (rows, mut sums) = (rows_of(&factor.symbolic), Vec::new());
+        for block in &factor.blocks[blocks] {
+            factor.forward(block, rows, (&mut *own.0, own.1), (&mut *top.0, top.1), &mut sums);
+        }
+    }
+}
+
+/// [`SingleCholesky::up`], likewise.
+struct Up<'a> {
+    factor: &'a SingleCholesky,
+    blocks: Range<usize>,
+    own: (&'a mut [f32], usize),
+    top: (&'a [f32], usize),
+}
+
+impl WithSimd for Up<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { factor, blocks, own, top } = self;
+        let (rows, mut gathered) = (rows_of(&factor.symbolic), Vec::new());
+        for block in factor.blocks[blocks].iter().rev() {
+            factor.backward(block, rows, (&mut *own.0, own.1), top, &mut gathered);
+        }
+    }
+}
+
 impl Preconditioner for SingleCholesky {
     fn apply(&self, r: &[f64], out: &mut [f64]) {
         assert!(r.len() == self.scale.len() && out.len() == r.len(), "vectors fit the factor");
@@ -352,14 +384,15 @@ fn rows_of(symbolic: &SymbolicCholesky) -> &[u32] {
 fn dot(a: &[f32], b: &[f32]) -> f32 {
     const LANES: usize = 8;
     let mut sums = [0.0_f32; LANES];
-    let (mut chunks_a, mut chunks_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    for (a, b) in (&mut chunks_a).zip(&mut chunks_b) {
+    // As arrays, a product of eight is one instruction.
+    let ((eights_a, rest_a), (eights_b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    for (a, b) in eights_a.iter().zip(eights_b) {
         for lane in 0..LANES {
             sums[lane] += a[lane] * b[lane];
         }
     }
-    let rest: f32 = chunks_a.remainder().iter().zip(chunks_b.remainder()).map(|(a, b)| a * b).sum();
-    if a.len() < LANES { rest } else { sums.iter().sum::<f32>() + rest }
+    let rest: f32 = rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum();
+    if eights_a.is_empty() { rest } else { sums.iter().sum::<f32>() + rest }
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ use abf_control::{Checkpoint, Watch};
 use abf_linalg::{Analysis, Parts, Permutation, SingleCholesky, SymbolicCholesky};
 use abf_mesh::Topology;
 use abf_parallel::prelude::*;
-use solve::Solve;
+use solve::{Room, Solve};
 use std::sync::Arc;
 
 /// Fewer corners are not worth a thread.
@@ -63,7 +63,7 @@ pub struct Linearisation<'a> {
 /// Solves for least corrections in one metric.
 #[derive(Debug)]
 pub struct LeastCorrection {
-    lambda: Vec<f64>,
+    /// `Λ⁻¹`.
     inverse: Vec<f64>,
     spokes: Spokes,
     order: Permutation,
@@ -78,6 +78,7 @@ pub struct LeastCorrection {
     wheel_factor: Option<SingleCholesky>,
     /// What an iteration gains with a factor of the `D` that is solved with: the fall of the logarithm of the residual.
     gain_when_fresh: f64,
+    room: Room,
 }
 
 impl LeastCorrection {
@@ -92,7 +93,8 @@ impl LeastCorrection {
         lambda: Vec<f64>,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
-        let inverse: Vec<f64> = lambda.par_iter().with_min_len(PER_TASK).map(|l| 1.0 / l).collect();
+        let mut inverse = lambda;
+        inverse.par_iter_mut().with_min_len(PER_TASK).for_each(|l| *l = 1.0 / *l);
         let spokes = Spokes::new(topology, rows);
         let graph = spokes.graph(rows);
         checkpoint()?;
@@ -108,7 +110,6 @@ impl LeastCorrection {
         checkpoint()?;
         let Analysis { order, parts, symbolic } = Analysis::cheaper(&graph, &order?, checkpoint)?;
         Ok(Self {
-            lambda,
             inverse,
             spokes,
             order,
@@ -121,6 +122,7 @@ impl LeastCorrection {
             vertex_factor: None,
             wheel_factor: None,
             gain_when_fresh: 0.0,
+            room: Room::default(),
         })
     }
 
@@ -157,14 +159,16 @@ impl LeastCorrection {
                 break;
             }
             watch.checkpoint()?;
-            let mut solve = Solve::start(self, here, was_frozen);
+            let room = std::mem::take(&mut self.room);
+            let mut solve = Solve::start(self, here, was_frozen, room);
             let begin = solve.largest_left();
             let converged = solve.rounds(target(begin), watch)?;
             tried += solve.iterations;
             if converged {
                 let report = solve.report(tried);
                 let gain = (begin / solve.largest_left()).ln() / solve.iterations as f64;
-                let Solve { vertices, wheels, .. } = solve;
+                let room = solve.room;
+                let Room { vertices, wheels, .. } = &room;
                 if !was_frozen && gain.is_finite() {
                     self.gain_when_fresh = gain;
                 }
@@ -174,10 +178,12 @@ impl LeastCorrection {
                 let (triangles, others) = out.multipliers.split_at_mut(nt);
                 others[..ni].copy_from_slice(&vertices[..ni]);
                 others[ni..].copy_from_slice(&wheels[..ni]);
-                let multipliers = [&*vertices, &*wheels];
+                let multipliers = [&vertices[..], &wheels[..]];
                 back_substitute(here.topology, here.rows, &self.given(here), multipliers, &mut out.delta, triangles);
+                self.room = room;
                 return Ok(report);
             }
+            self.room = solve.room;
             self.wheel_factor = None;
         }
         self.directly(here, watch, out, tried)
@@ -206,12 +212,13 @@ impl LeastCorrection {
         out: &mut KktVector,
         tried: usize,
     ) -> Result<StepReport, StepError> {
-        let zero = if here.gradient.is_empty() { vec![0.0; self.lambda.len()] } else { Vec::new() };
+        let zero = if here.gradient.is_empty() { vec![0.0; self.inverse.len()] } else { Vec::new() };
+        let lambda: Vec<f64> = self.inverse.iter().map(|d| 1.0 / d).collect();
         let kkt = KktSystem {
             topology: here.topology,
             rows: here.rows,
-            lambda: &self.lambda,
-            gauss_newton: &self.lambda,
+            lambda: &lambda,
+            gauss_newton: &lambda,
             off_diagonal: None,
             wheel: here.wheel,
             gradient: if here.gradient.is_empty() { &zero } else { here.gradient },
@@ -233,6 +240,7 @@ impl LeastCorrection {
 #[derive(Debug)]
 pub struct FrozenStep {
     solver: LeastCorrection,
+    lambda: Vec<f64>,
     floor: f64,
 }
 
@@ -250,7 +258,7 @@ impl FrozenStep {
         floor: f64,
         checkpoint: &mut Checkpoint<'_>,
     ) -> Result<Self, LinearError> {
-        Ok(Self { solver: LeastCorrection::new(topology, rows, lambda, checkpoint)?, floor })
+        Ok(Self { solver: LeastCorrection::new(topology, rows, lambda.clone(), checkpoint)?, lambda, floor })
     }
 }
 
@@ -267,7 +275,7 @@ impl KktStep for FrozenStep {
         watch: &mut Watch<'_>,
         out: &mut KktVector,
     ) -> Result<StepReport, StepError> {
-        assert!(kkt.lambda == self.solver.lambda, "the metric this step was made for");
+        assert!(kkt.lambda == self.lambda, "the metric this step was made for");
         let KktSystem { topology, rows, wheel, residual, gradient, .. } = *kkt;
         let here = Linearisation { topology, rows, wheel, residual, gradient };
         let floor = self.floor.min(LEAST * largest(residual));

@@ -28,7 +28,7 @@ mod bounded;
 mod boxed;
 mod passes;
 
-use abf_constraints::{AngleProblem, WheelDerivative, largest, linearise};
+use abf_constraints::{AngleProblem, WheelDerivative, largest, linearise, linearise_into};
 use abf_control::{IterationRecord, Observer, SettingError, StopCriteria, Termination, Watch};
 use abf_parallel::prelude::*;
 use abf_solve_core::{
@@ -149,9 +149,9 @@ impl AngleSolver for LinAbf {
         }
         let mut watch = Watch::start(stop, observer);
         let inner = self.inner(problem, stop, &mut watch)?;
-        let first = linearise(problem.rows(), problem.initial_guess());
+        let run = LinAbfRun::new((problem, stop), inner);
         watch.checkpoint()?;
-        let run = LinAbfRun::new((problem, stop), inner, first).at_expected();
+        let run = run.at_expected();
         let angles = &run.so_far.angles;
         watch.start_from(angles.len(), constraint_residual(problem, angles, &run.residual), None)?;
         self.make_passes(run, problem, stop, &mut watch)
@@ -231,17 +231,33 @@ struct LinAbfRun<'p, 'a> {
     wheel: WheelDerivative,
     /// How far the constraints were off where the last pass started.
     residual_before: f64,
+    /// The correction of the last pass, until its memory is room for sines.
+    out: KktVector,
 }
 
 impl<'p, 'a> LinAbfRun<'p, 'a> {
-    fn new(
-        (problem, stop): (&'p AngleProblem<'a>, &'p StopCriteria),
-        inner: Inner,
-        (residual, wheel): (Vec<f64>, WheelDerivative),
-    ) -> Self {
-        let (so_far, gradient, residual_of_guess) = (SoFar::new(problem), Vec::new(), largest(&residual));
-        let residual_before = f64::NAN;
-        Self { problem, stop, inner, so_far, gradient, residual_of_guess, residual, wheel, residual_before }
+    fn new((problem, stop): (&'p AngleProblem<'a>, &'p StopCriteria), inner: Inner) -> Self {
+        let mut run = Self {
+            problem,
+            stop,
+            inner,
+            so_far: SoFar::new(problem),
+            gradient: Vec::new(),
+            residual_of_guess: f64::NAN,
+            residual: Vec::new(),
+            wheel: WheelDerivative::default(),
+            residual_before: f64::NAN,
+            out: KktVector::default(),
+        };
+        run.linearise();
+        run.residual_of_guess = largest(&run.residual);
+        run
+    }
+
+    /// The constraints at the angles so far and their derivative.
+    fn linearise(&mut self) {
+        let linearised = (&mut self.residual, &mut self.wheel);
+        linearise_into(self.problem.rows(), &self.so_far.angles, linearised, &mut self.out.delta);
     }
 
     /// Linearises at the angles that are expected, where there are some that meet the constraints better than the initial
@@ -261,15 +277,14 @@ impl<'p, 'a> LinAbfRun<'p, 'a> {
     }
 
     /// The least-norm correction `e` of the angles: `J e = −h`.
-    fn correction(&mut self, target: f64, watch: &mut Watch<'_>) -> Result<(StepReport, Vec<f64>), StepError> {
-        let mut out = KktVector::default();
+    fn correction(&mut self, target: f64, watch: &mut Watch<'_>) -> Result<StepReport, StepError> {
+        let out = &mut self.out;
         let (topology, rows) = (self.problem.topology(), self.problem.rows());
         match &mut self.inner {
             Inner::Inexact(inner) => {
                 let (wheel, residual, gradient) = (&self.wheel, &self.residual, &self.gradient);
                 let here = Linearisation { topology, rows, wheel, residual, gradient };
-                let report = inner.solve(&here, target, watch, &mut out)?;
-                Ok((report, out.delta))
+                inner.solve(&here, target, watch, out)
             }
             Inner::Direct(inner) => {
                 let lambda = metric(&self.so_far.angles);
@@ -283,8 +298,7 @@ impl<'p, 'a> LinAbfRun<'p, 'a> {
                     gradient: &vec![0.0; lambda.len()],
                     residual: &self.residual,
                 };
-                let report = inner.step(&kkt, TIGHTEST, watch, &mut out)?;
-                Ok((report, out.delta))
+                inner.step(&kkt, TIGHTEST, watch, out)
             }
         }
     }
@@ -317,20 +331,22 @@ impl Pass for LinAbfRun<'_, '_> {
     fn pass(&mut self, watch: &mut Watch<'_>) -> Result<bool, StepError> {
         let [clamped, clamped_angles] = self.so_far.clamp(self.problem);
         if clamped > 0 {
-            (self.residual, self.wheel) = linearise(self.problem.rows(), &self.so_far.angles);
+            self.linearise();
         }
         let before = largest(&self.residual);
         let target = self.target(before);
-        let (report, correction) = self.correction(target, watch)?;
+        let report = self.correction(target, watch)?;
         self.gradient = Vec::new();
 
-        let angles = &mut self.so_far.angles;
-        angles.par_iter_mut().with_min_len(PER_TASK).zip(&correction).for_each(|(x, e)| *x += e);
-        (self.residual, self.wheel) = linearise(self.problem.rows(), angles);
+        let (angles, correction) = (&mut self.so_far.angles, &self.out.delta);
+        angles.par_iter_mut().with_min_len(PER_TASK).zip(correction).for_each(|(x, e)| *x += e);
+        let step = largest(correction);
+        self.linearise();
+        let angles = &self.so_far.angles;
         self.residual_before = before;
         let record = IterationRecord {
             constraint_residual: constraint_residual(self.problem, angles, &self.residual),
-            step: largest(&correction),
+            step,
             step_length: 1.0,
             inner_tolerance: matches!(self.inner, Inner::Inexact(_)).then_some(target),
             inner_iterations: report.iterations,
