@@ -157,6 +157,21 @@ def test_a_map_that_is_there_is_relaxed(disk: Mesh, ring: Mesh) -> None:
     assert all_better.uv_faces is not None and all_better.uv_faces.shape == ring[1].shape
     assert all_better.metrics.stretch_l2 < parts.metrics.stretch_l2
     assert abf.certify(*ring, all_better.uv, all_better.uv_faces).valid
+    assert all_better.refused == []
+
+
+def test_a_chart_that_cannot_be_relaxed_stays_and_says_why(disk: Mesh) -> None:
+    vertices, faces = disk
+    uv = abf.flatten(vertices, faces, solver="lscm").uv
+    # Two triangles that meet at a vertex only.
+    bow = np.array([[0, 0], [1, 0], [1, 1], [2, 2], [1, 2]]) + 50.0
+    all_vertices = np.vstack([vertices, np.column_stack([bow, np.zeros(5)])])
+    all_faces = np.vstack([faces, np.array([[0, 1, 2], [2, 3, 4]]) + len(vertices)])
+    map_of_both = abf.relax(all_vertices, all_faces, np.vstack([uv, bow]))
+    assert not map_of_both.certified and len(map_of_both.refused) == 1
+    assert f"face {len(faces)}" in map_of_both.refused[0]
+    assert [report is not None for report in map_of_both.charts] == [True, False]
+    assert np.array_equal(map_of_both.uv[len(vertices) :], bow)
 
 
 def test_an_error_bound_makes_passes_shorter(disk: Mesh) -> None:

@@ -277,6 +277,7 @@ export class Abf {
   readonly memoryBytes: number;
   readonly version: number;
   flatten(positions: Numbers, indices: Numbers, options?: FlattenOptions): Flattened;
+  /** A chart that cannot be relaxed, as it is no manifold for example, stays as it was. The result is not certified then. */
   relax(positions: Numbers, indices: Numbers, uv: Numbers, options?: RelaxOptions): Relaxed;
   unwrap(positions: Numbers, indices: Numbers, options?: UnwrapOptions): Unwrapped;
   /** About how many bytes it takes at most to flatten a disk. */

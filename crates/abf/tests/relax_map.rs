@@ -210,6 +210,37 @@ fn a_chart_that_is_no_manifold_stays_as_it_was_and_the_others_are_relaxed() {
 }
 
 #[test]
+fn charts_after_a_stop_stay_as_they_were_though_one_before_was_refused() {
+    struct Stops;
+    impl Observer for Stops {
+        fn observe(&mut self, event: Event<'_>) -> Verdict {
+            if matches!(event, Event::Iteration(_)) { Verdict::Stop } else { Verdict::Continue }
+        }
+    }
+    let sheet = Shape::BumpySheet.mesh(400);
+    let (start, count) = (lscm(&sheet), sheet.vertex_count());
+    let bow = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 2.0], [1.0, 2.0]].map(|[x, y]| [x + 100.0, y]);
+    let place = |sheets: usize| 5 + sheets * count;
+    let mut positions: Vec<Point3<f64>> = bow.iter().map(|&[x, y]| Point3::new(x, y, 0.0)).collect();
+    let mut faces = vec![[0, 1, 2], [2, 3, 4]];
+    let mut points: Vec<Point2<f64>> = bow.map(Point2::from).to_vec();
+    let mut corners: Vec<UvId> = faces.as_flattened().iter().map(|&v| UvId::new(v)).collect();
+    for sheets in 0..2 {
+        positions.extend(sheet.positions());
+        faces.extend(sheet.faces().iter().map(|face| face.map(|v| v.index() + place(sheets))));
+        corners.extend(start.corners().iter().map(|id| UvId::new(id.index() + points.len())));
+        points.extend(start.points().iter().map(|p| Point2::new(p.x + 3.0 * sheets as f64, p.y)));
+    }
+    let (mesh, uv) = (TriMesh::new(positions, &faces).expect("a mesh"), UvMap::new(points, corners));
+    let map = Pipeline::default().relax_map(&mesh, &uv, &mut Stops).expect("a map");
+    assert_eq!(map.refused.len(), 1);
+    assert_eq!(map.charts.iter().map(Option::is_some).collect::<Vec<_>>(), [false, true, false]);
+    for c in 3 * (2 + sheet.face_count())..3 * mesh.face_count() {
+        assert_eq!(map.uv.corner(CornerId::new(c)), uv.corner(CornerId::new(c)));
+    }
+}
+
+#[test]
 fn an_observer_aborts_it() {
     struct Aborts;
     impl Observer for Aborts {

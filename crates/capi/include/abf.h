@@ -339,7 +339,7 @@ typedef struct AbfView {
   size_t wound;
   // Places where the map lies over itself.
   size_t overlaps;
-  // `abf_unwrap`: charts that there was no time to finish.
+  // `abf_unwrap`: charts that there was no time to finish; `abf_relax`: charts that could not be relaxed.
   size_t unfinished;
   // F / 3nt, the mean squared angle error, rad².
   double angle_error;
@@ -412,7 +412,8 @@ enum AbfStatus abf_unwrap(const float *positions,
 // `positions` and `indices` are those of `abf_flatten`. `uv` has two numbers per vertex, and `uv_count` is `vertex_count`; or it
 // has `uv_count` UVs, and `uv_indices` for every index that of its UV. Of the options `energy`, pins, `time_limit`, `max_memory`,
 // `normalize`, `zero_area`, `threads` and `progress` count. A chart that is not valid starts from Tutte's embedding, if it is a
-// disk; else it stays. The area of the whole map stays, and every chart keeps its centre: charts may come to lie over each other.
+// disk; else it stays. One that cannot be relaxed, as it is no manifold for example, stays, too, and counts as unfinished. The area
+// of the whole map stays, and every chart keeps its centre: charts may come to lie over each other.
 enum AbfStatus abf_relax(const double *positions,
                          size_t vertex_count,
                          const uint32_t *indices,

@@ -75,7 +75,7 @@ pub struct AbfView {
     pub wound: usize,
     /// Places where the map lies over itself.
     pub overlaps: usize,
-    /// `abf_unwrap`: charts that there was no time to finish.
+    /// `abf_unwrap`: charts that there was no time to finish; `abf_relax`: charts that could not be relaxed.
     pub unfinished: usize,
     /// F / 3nt, the mean squared angle error, rad².
     pub angle_error: f64,
@@ -223,7 +223,7 @@ impl AbfResult {
             triangle_charts: map.chart_of_face.iter().map(|&chart| chart as u32).collect(),
             chart_pages: Vec::new(),
             charts: map.charts.len(),
-            unfinished: 0,
+            unfinished: map.refused.len(),
             page: [0; 2],
             pages: 0,
             texels_per_unit: 0.0,

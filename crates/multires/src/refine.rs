@@ -195,11 +195,16 @@ fn targets(mesh: &TriMesh, topology: &Topology, faces: &[[VertexId; 3]]) -> Vec<
 }
 
 /// The complex number that turns and scales the outer edge of a triangle of the surface into the edge from its first end to
-/// the vertex, times the sine of the angle at the vertex: `sin c · e^{ib}`, `b` and `c` the angles at the ends.
+/// the vertex, times the sine of the angle at the vertex: `sin c · e^{ib}`, `b` and `c` the angles at the ends. Zero where two
+/// corners are in one place.
 fn wish([vertex, first, second]: [Point3<f64>; 3], double_area: f64) -> Vector2<f64> {
     let (inwards, edge, back) = (vertex - first, second - first, vertex - second);
-    let lengths = (inwards.norm_squared() * back.norm_squared()).sqrt();
-    Vector2::new(inwards.dot(&edge), double_area) * (double_area / (lengths * edge.norm_squared()))
+    let lengths = (inwards.norm_squared() * back.norm_squared()).sqrt() * edge.norm_squared();
+    if lengths > 0.0 {
+        Vector2::new(inwards.dot(&edge), double_area) * (double_area / lengths)
+    } else {
+        Vector2::zeros()
+    }
 }
 
 /// Why a vertex has no place.
@@ -307,5 +312,21 @@ impl Insertion {
     fn turns(&self, place: Point2<f64>) -> usize {
         let comes_up = |spoke: &&Spoke| spoke.ends[0].y < place.y && spoke.ends[1].y >= place.y;
         self.spokes().iter().filter(comes_up).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_with_corners_in_one_place_ask_for_a_finite_place() {
+        let [a, b, c] = [Point3::origin(), Point3::new(1.0, 0.0, 0.0), Point3::new(0.0, 2.0, 0.0)];
+        for corners in [[a, a, b], [a, b, a], [a, b, b], [a, a, a]] {
+            assert_eq!(wish(corners, 0.0), Vector2::zeros());
+        }
+        // The vertex is where a right angle at the first end and the sides 1 and 2 have it.
+        let asked = wish([c, a, b], 2.0) / angles_in_space([c, a, b]).0[0].sin();
+        assert!((asked - Vector2::new(0.0, 2.0)).norm() < 1e-12, "{asked}");
     }
 }

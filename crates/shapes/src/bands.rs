@@ -67,7 +67,7 @@ pub(crate) fn twisted_band(triangles: usize) -> TriMesh {
 }
 
 /// The back of a caterpillar: a half-pipe, open below, that swells and narrows nine times along a
-/// spiral of one turn and three quarters. As flat as it can be it still winds once and a half, so
+/// spiral of one turn and three quarters. As flat as it can be it still turns a little more than once, so
 /// a map that keeps angles or lengths lies over itself.
 ///
 /// `((R + r sin φ) cos τ, (R + r sin φ) sin τ, h τ/2π + r cos φ)` with `τ` along, `φ` across from −π/2

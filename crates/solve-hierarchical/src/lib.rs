@@ -177,8 +177,8 @@ impl Hierarchical {
 
     /// Solves one problem, of `mesh`. Same input, same bits.
     ///
-    /// The stopping criteria are those of the coarse solver and of the passes on the fine mesh, but that the last step of the
-    /// coarse solver need not be shorter than 1e-3 rad. The time limit is that of all together; it does not cut coarsening and
+    /// The stopping criteria are those of the coarse solver and of the passes on the fine mesh, but that the last step of
+    /// Newton's method on the coarse mesh need not be shorter than 1e-3 rad. The time limit is that of all together; it does not cut coarsening and
     /// the way back short. An observer that stops it has the drawing that there is carried to the fine mesh.
     ///
     /// # Errors

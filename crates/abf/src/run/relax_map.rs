@@ -52,9 +52,10 @@ impl Pipeline {
         let mut points = cut.places.clone();
         let (mut charts, mut refused, mut pins, mut termination) =
             (Vec::new(), Vec::new(), None, Termination::Converged);
+        let mut is_over = false;
         for chart in cut.charts(mesh) {
             // Stopped, or out of time: what is left stays as it is.
-            if termination.is_interruption() {
+            if is_over {
                 charts.push(None);
                 continue;
             }
@@ -72,6 +73,7 @@ impl Pipeline {
                     continue;
                 }
             };
+            is_over = done.termination.is_interruption();
             if termination.is_as_asked() {
                 termination = done.termination;
             }

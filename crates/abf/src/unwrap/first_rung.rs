@@ -56,20 +56,22 @@ impl Component<'_, '_> {
         let mut pipeline = self.pipeline_of_first_rung();
         let guess = &mut pipeline.initial_guess;
         guess.keep_thin &= foresight.is_flat();
-        // A bound that was asked for stays.
+        // Another bound than that of a lone disk was asked for, and stays.
         if guess.angle_bound == GuessSettings::default().angle_bound {
             guess.angle_bound = LEAST_ANGLE;
         }
         let expected = foresight.angles(chart);
         let prospect = Prospect { enough: self.settings.max_stretch, expected: expected.as_deref() };
-        let run = |observer: &mut dyn Observer| self.tried(pipeline.run_within(&chart.mesh, prospect, observer));
+        let run = |pipeline: &Pipeline, observer: &mut dyn Observer| {
+            self.tried(pipeline.run_within(&chart.mesh, prospect, observer))
+        };
         let is_all = pipeline.relax.is_none() && pipeline.injective == Injective::Off;
         if pipeline.solver.kind() != SolverKind::LinAbf || !is_all || pipeline.initial_guess.keep_thin {
-            return run(&mut self.ear());
+            return run(&pipeline, &mut self.ear());
         }
         let mut ear = self.ear();
         let mut impatient = Impatient::new(&mut ear, misses >= MISSES);
-        let flat = run(&mut impatient)?;
+        let flat = run(&pipeline, &mut impatient)?;
         let is_ended = |flat: &Flattening| impatient.has_stopped && flat.termination == Termination::Cancelled;
         let mut flat = match flat {
             Some(flat) if is_ended(&flat) => flat,
@@ -77,7 +79,12 @@ impl Component<'_, '_> {
         };
         let l2 = Stretch::measure(chart, &flat.uv, surface.real, surface.mesh.vertex_count())?.l2;
         if l2 - 1.0 <= ALMOST * (self.settings.max_stretch - 1.0) {
-            return run(&mut self.ear());
+            if self.budget.is_spent() {
+                flat.termination = Termination::TimeLimit;
+                return Ok(Some(flat));
+            }
+            pipeline.stop = self.budget.left();
+            return run(&pipeline, &mut self.ear());
         }
         flat.termination = Termination::Stalled;
         Ok(Some(flat))

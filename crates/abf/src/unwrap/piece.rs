@@ -24,7 +24,7 @@ use std::num::NonZeroUsize;
 /// holes open: half a sphere has 2π.
 const MOST_CURVED: f64 = 1.5 * PI;
 
-/// A piece unfolds when the sizes of its angle deficits sum to no more than this, rad: no stretch to speak of can be foreseen.
+/// A disk unfolds when the sizes of its angle deficits sum to no more than this, rad: no stretch to speak of can be foreseen.
 const UNFOLDS: f64 = 1e-4;
 
 impl Component<'_, '_> {

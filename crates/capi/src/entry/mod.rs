@@ -91,7 +91,8 @@ pub unsafe extern "C" fn abf_unwrap(
 /// `positions` and `indices` are those of `abf_flatten`. `uv` has two numbers per vertex, and `uv_count` is `vertex_count`; or it
 /// has `uv_count` UVs, and `uv_indices` for every index that of its UV. Of the options `energy`, pins, `time_limit`, `max_memory`,
 /// `normalize`, `zero_area`, `threads` and `progress` count. A chart that is not valid starts from Tutte's embedding, if it is a
-/// disk; else it stays. The area of the whole map stays, and every chart keeps its centre: charts may come to lie over each other.
+/// disk; else it stays. One that cannot be relaxed, as it is no manifold for example, stays, too, and counts as unfinished. The area
+/// of the whole map stays, and every chart keeps its centre: charts may come to lie over each other.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn abf_relax(
     positions: *const f64,

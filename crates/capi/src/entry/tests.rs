@@ -318,6 +318,28 @@ fn relax_of(
 }
 
 #[test]
+fn a_chart_that_is_no_manifold_stays_and_counts_as_unfinished() {
+    let (mut positions, mut indices) = sheet();
+    let mut uv: Vec<[f64; 2]> = positions.iter().map(|&[x, y, _]| [x, y]).collect();
+    let first = positions.len() as u32;
+    let bow = [[9.0, 0.0], [10.0, 0.0], [10.0, 1.0], [11.0, 2.0], [10.0, 2.0]];
+    positions.extend(bow.map(|[x, y]| [x, y, 0.0]));
+    indices.extend([0, 1, 2, 2, 3, 4].map(|v| first + v));
+    uv.extend(bow);
+    let relaxed = relax_of((&positions, &indices), (&uv, None), &options()).expect("a map");
+    let view = relaxed.view();
+    assert_eq!((view.chart_count, view.unfinished, view.certified), (2, 1, false));
+    let alone = relax_of(
+        (&positions[..first as usize], &indices[..indices.len() - 6]),
+        (&uv[..first as usize], None),
+        &options(),
+    );
+    assert_eq!(alone.expect("a map").view().unfinished, 0);
+    let (uv_before, uv_after) = (&uv[first as usize..], &uv_of(&relaxed)[first as usize..]);
+    assert_eq!(uv_after, uv_before);
+}
+
+#[test]
 fn a_map_that_is_there_is_relaxed() {
     let (positions, indices) = sheet();
     let mesh = (&positions[..], &indices[..]);

@@ -71,7 +71,7 @@ pub(crate) struct MethodArgs {
     /// Start rings whose angle deficit is above T rad from their target angles; off: none [default: 1]
     #[arg(long, hide_short_help = true, value_name = "T|off", help_heading = CONSTRAINTS)]
     pub(crate) ring_switch: Option<RingSwitch>,
-    /// Start, and every pass of linabf again, from angles of at least B and at most π − B, rad [default: 0.001]
+    /// Start, and every pass of linabf again, from angles of at least B and at most π − B, rad [default: 0.001; charts that are cut: 0.0001]
     #[arg(long, hide_short_help = true, value_name = "B", help_heading = CONSTRAINTS)]
     pub(crate) angle_bound: Option<f64>,
     /// Converged means a constraint residual of at most T, rad [default: 1e-8]
