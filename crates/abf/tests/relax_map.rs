@@ -252,10 +252,3 @@ fn an_observer_aborts_it() {
     let ended = Pipeline::default().relax_map(&mesh, &lscm(&mesh), &mut Aborts).unwrap_err();
     assert!(matches!(ended, FlattenError::Cancelled(_)), "{ended}");
 }
-
-#[test]
-fn a_mesh_without_faces_stays_without_a_map() {
-    let mesh = TriMesh::new(vec![Point3::origin()], &[]).expect("no index");
-    let map = Pipeline::default().relax_map(&mesh, &UvMap::new(Vec::new(), Vec::new()), &mut Silent);
-    assert!(map.is_ok_and(|map| map.charts.is_empty() && map.refused.is_empty()));
-}

@@ -83,7 +83,7 @@ impl Pipeline {
             charts.push(done.report);
             pins = pins.or(done.pinned);
         }
-        if !refused.is_empty() && refused.len() == charts.len() {
+        if refused.len() == charts.len() {
             return Err(refused.swap_remove(0));
         }
         let uv = UvMap::new(points, cut.corners);

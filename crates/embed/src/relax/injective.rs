@@ -17,7 +17,7 @@ use abf_mesh::{Point2, Point3, Topology, TriMesh, Vector3, VertexId};
 const FIRST_TOLERANCE: f64 = 1e-4;
 const FIRST_STEPS: usize = 60;
 
-/// A gap that is not reached makes the barrier stiffer, so often.
+/// A gap that is not reached makes the barrier stiffer, so often at most.
 const STIFFENINGS: usize = 6;
 /// By how much.
 const STIFFER: f64 = 10.0;
@@ -37,7 +37,7 @@ pub struct InjectiveDrawing {
     /// The smallest distance, in units of the UVs, of a boundary vertex and a boundary edge that are nearer to each other than
     /// a quarter of their way along the boundary; `None` where there are no such two.
     pub gap: Option<f64>,
-    /// Every step.
+    /// Every step to this drawing.
     pub steps: Vec<RelaxStep>,
     /// How many of these went for lengths first.
     pub first_steps: usize,
@@ -52,7 +52,8 @@ impl Relax {
     ///
     /// Tutte's embedding is the start, of a surface with holes that of the same with its holes filled. The energy of lengths
     /// comes first, then [`Relax::energy`], both with a barrier between parts of the boundary. At the end these are at least
-    /// `gap` from each other, in units of the UVs, or a quarter of their way along the boundary if that is less.
+    /// `gap` from each other, in units of the UVs, or a quarter of their way along the boundary if that is less. Where that
+    /// cannot be had the drawing is made without it, too, and the one of the two with the larger gap is left.
     ///
     /// Of `stop` it heeds the time limit. Without time there is the drawing so far. Same input, same bits.
     ///
@@ -80,17 +81,27 @@ impl Relax {
         let uv = centred(topology, &start, crowded);
         let lengths = Energies::new(&Self { energy: Energy::Isometric, ..*self }, mesh, problem);
         let uv = scaled_by(topology, uv, lengths.isometric.best_scale(topology, &start));
-        let directions = Directions::new(topology, &[crowded], &mut || watch.checkpoint())?;
-        let mut run = Run::new(self, (topology, problem.mesh_angles()), uv, directions, mesh.area());
-        let guard = Guard::new(topology, mesh.area(), gap);
         // Doubles hold Tutte's embedding, but its boundary may be too crowded for them.
-        if !guard.is_clear(&run.uv, &mut || watch.checkpoint())? {
+        if !Guard::new(topology, mesh.area(), gap).is_clear(&uv, &mut || watch.checkpoint())? {
             return Err(EmbedError::BoundaryTooCrowded);
         }
-        run.guard = Some(guard);
-        run.start(&lengths.terms(topology, &[]), &mut watch)?;
-        let ended = self.guarded(&mut run, &lengths, (mesh, problem, crowded), &mut watch)?;
-        Ok(ended.into_drawing(run, mesh.area()))
+        let mut made = |gap: f64, uv: Vec<Point2<f64>>| {
+            let directions = Directions::new(topology, &[crowded], &mut || watch.checkpoint())?;
+            let mut run = Run::new(self, (topology, problem.mesh_angles()), uv, directions, mesh.area());
+            run.guard = Some(Guard::new(topology, mesh.area(), gap));
+            run.start(&lengths.terms(topology, &[]), &mut watch)?;
+            let ended = self.guarded(&mut run, &lengths, (mesh, problem, crowded), &mut watch)?;
+            Ok::<_, EmbedError>((ended.is_short, ended.into_drawing(run, mesh.area())))
+        };
+        let (is_short, drawing) = made(gap, uv.clone())?;
+        if !is_short || drawing.termination.is_interruption() {
+            return Ok(drawing);
+        }
+        let (_, without) = made(0.0, uv)?;
+        let is_wider = without.gap.unwrap_or(f64::INFINITY) > drawing.gap.unwrap_or(f64::INFINITY);
+        let termination =
+            if without.termination.is_interruption() { without.termination } else { Termination::Stalled };
+        Ok(InjectiveDrawing { termination, ..if is_wider { without } else { drawing } })
     }
 
     /// Both energies, one after the other.
@@ -123,37 +134,41 @@ impl Relax {
         let least = ALL_OF_GAP * run.guard.as_ref().expect("set by the caller").gap;
         let mut reached = gap_of(run);
         let mut widest = (reached, run.uv.clone());
+        run.max_steps = run.steps.len() + self.max_steps;
         for _ in 0..STIFFENINGS {
-            if reached >= least || termination.is_interruption() {
+            if reached >= least || termination.is_interruption() || run.steps.len() >= run.max_steps {
                 break;
             }
             run.guard.as_mut().expect("set by the caller").stiffness *= STIFFER;
-            run.max_steps = run.steps.len() + self.max_steps;
             termination = run.descend(&terms, watch)?;
             reached = gap_of(run);
-            if reached > widest.0 {
-                widest = (reached, run.uv.clone());
+            if reached <= widest.0 {
+                break;
             }
+            widest = (reached, run.uv.clone());
         }
-        if reached < least {
+        let is_short = reached < least;
+        if is_short {
             // A gap that cannot be had bends a drawing for nothing.
             run.uv = widest.1;
             termination = if termination.is_interruption() { termination } else { Termination::Stalled };
         }
-        Ok(Ended { termination, first_steps, energy: terms.without_barrier(&run.uv) })
+        Ok(Ended { termination, is_short, first_steps, energy: terms.without_barrier(&run.uv) })
     }
 }
 
 /// What came of a run.
 struct Ended {
     termination: Termination,
+    /// Whether the gap that was asked for is not there.
+    is_short: bool,
     first_steps: usize,
     energy: f64,
 }
 
 impl Ended {
     fn into_drawing(self, run: Run<'_>, area: f64) -> InjectiveDrawing {
-        let Self { termination, first_steps, energy } = self;
+        let Self { termination, first_steps, energy, .. } = self;
         let (uv, area_matched) = scaled_to(run.topology, run.uv, area);
         let gap = run.guard.as_ref().and_then(|guard| guard.least_gap(&uv));
         let (steps, iterations) = (run.steps, run.reported);
@@ -280,6 +295,26 @@ mod tests {
             assert_eq!(drawing.termination, Termination::Converged, "{energy}");
             assert!(drawing.gap.is_some_and(|gap| gap > 0.0), "{energy}");
         }
+    }
+
+    #[test]
+    fn a_gap_that_cannot_be_had_leaves_no_smaller_one_than_there_is_without() {
+        // A road of one quad across that climbs around its axis twice and a half: too few to bend into a wide spiral.
+        let points = (0..=48).flat_map(|k| {
+            let turn = 0.1 * std::f64::consts::PI * f64::from(k);
+            [2.0, 2.4].map(|r| Point3::new(r * turn.cos(), r * turn.sin(), 0.25 * f64::from(k)))
+        });
+        let faces: Vec<[usize; 3]> =
+            (0..48).flat_map(|k| [[2 * k, 2 * k + 1, 2 * k + 2], [2 * k + 1, 2 * k + 3, 2 * k + 2]]).collect();
+        let mesh = TriMesh::new(points.collect(), &faces).expect("indices in range");
+        let topology = topology(&mesh);
+        let (asked, relax) = (0.45, Relax { energy: Energy::Abf, ..Relax::default() });
+        let without = solve(&mesh, &topology, relax, 0.0, &mut Silent);
+        let drawing = solve(&mesh, &topology, relax, asked, &mut Silent);
+        let [gap, least] = [&drawing, &without].map(|drawing| drawing.gap.unwrap_or(f64::INFINITY));
+        assert!(gap < asked && drawing.termination == Termination::Stalled, "{gap} of {asked}");
+        assert!(gap >= least && is_injective(&topology, &drawing.uv), "{gap} {least}");
+        assert!(drawing.steps.len() <= 60 + 2 * Relax::default().max_steps, "{}", drawing.steps.len());
     }
 
     #[test]
