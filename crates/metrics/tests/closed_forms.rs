@@ -217,6 +217,26 @@ fn sectors_over_each_other_within_rounding_are_touches_and_deeper_ones_are_overl
     assert!(!two_corners([4.0, 4.0], [4.0 - unit, 4.0]).injective());
 }
 
+/// Four triangles around the origin, from the x-axis on to this point.
+fn once_around(to: [f64; 2]) -> Metrics {
+    let flat = [[0.0, 0.0], [8.0, 0.0], [0.0, 8.0], [-8.0, 0.0], [0.0, -8.0], to];
+    let positions = flat.map(|[x, y]| [x, y, 0.0]);
+    let faces = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]];
+    measured(&mesh(&positions, &faces), &uv_map(&flat, &faces))
+}
+
+#[test]
+fn a_slit_whose_sides_cross_within_rounding_is_a_touch_and_one_that_closes_further_is_an_overlap() {
+    let unit = 8.0 * f64::EPSILON;
+    assert!(once_around([7.0, 0.0]).injective());
+    let touching = once_around([7.0, unit]).certificate;
+    assert_eq!((touching.meetings, touching.crossings, touching.injective()), (0, 0, true), "{touching:?}");
+    assert!(touching.touches > 0 && touching.touch_depth > 0.0 && touching.touch_depth <= 4.0 * unit);
+    for height in [64.0 * unit, 1.0, 20.0] {
+        assert!(!once_around([7.0, height]).injective(), "{height}");
+    }
+}
+
 #[test]
 fn a_deep_overlap_that_begins_within_rounding_is_none_of_the_touches() {
     // The side sinks slowly into the other strip: both ends of the lens are shallow, its middle is not.

@@ -133,6 +133,15 @@ pub(super) fn faces_over_each_other(sheet: &Sheet<'_>, fan: Fan) -> [Option<Face
     [Some(fan.first.face()), again.map(CornerId::face)]
 }
 
+/// How deep a fan that winds more than once lies over itself, as sectors over each other do; infinite where more than its last
+/// face over its first one does.
+pub(super) fn depth_of_fan(sheet: &Sheet<'_>, fan: Fan) -> f64 {
+    let [centre, begin, end] = [fan.first, fan.first.next(), fan.last.prev()].map(|c| sheet.place(c));
+    let is_last_over_first =
+        faces_over_each_other(sheet, fan)[1] == Some(fan.last.face()) && is_towards(sheet, fan.first, end);
+    if is_last_over_first { distance(end, centre, begin).min(distance(begin, centre, end)) } else { f64::INFINITY }
+}
+
 /// Whether the face of a corner lies just counter-clockwise of a direction from that corner.
 fn is_towards(sheet: &Sheet<'_>, corner: CornerId, towards: Point2<f64>) -> bool {
     let [centre, begin, end] = [corner, corner.next(), corner.prev()].map(|c| sheet.place(c));

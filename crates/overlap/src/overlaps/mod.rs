@@ -196,16 +196,22 @@ impl Overlaps {
             let (passing, after) = rest.split_at(rest.partition_point(|&(other, _)| other <= spot));
             rest = after;
             let fans: Vec<Fan> = here.iter().map(|&(_, fan)| fan).collect();
-            if let Some(&fan) = fans.iter().find(|fan| is_over(fan)) {
-                self.meetings += 1;
-                self.name(meeting::faces_over_each_other(sheet, fan), listed);
+            let is_alone = fans.len() == 1 && passing.is_empty();
+            let over = fans.iter().find(|fan| is_over(fan));
+            if is_alone && over.is_none() {
                 continue;
             }
-            if fans.len() == 1 && passing.is_empty() {
-                continue;
-            }
-            let passing: Vec<&Segment> = passing.iter().map(|&(_, s)| &outline.segments[s as usize]).collect();
-            match Meeting::new(sheet, outline, spot, &fans, &passing).overlap() {
+            let overlap = match over {
+                Some(&fan) => {
+                    let depth = if is_alone { meeting::depth_of_fan(sheet, fan) } else { f64::INFINITY };
+                    Some((meeting::faces_over_each_other(sheet, fan), depth))
+                }
+                None => {
+                    let passing: Vec<&Segment> = passing.iter().map(|&(_, s)| &outline.segments[s as usize]).collect();
+                    Meeting::new(sheet, outline, spot, &fans, &passing).overlap()
+                }
+            };
+            match overlap {
                 None => self.touches += 1,
                 Some((faces, depth)) => {
                     let limit = faces.iter().flatten().map(|&face| rounding(face)).fold(0.0, f64::max);
