@@ -126,20 +126,17 @@ impl<'a> Meeting<'a> {
     }
 }
 
-/// The first face of a fan that winds more than once, and the one that covers it after a full turn.
-pub(super) fn faces_over_each_other(sheet: &Sheet<'_>, fan: Fan) -> [Option<FaceId>; 2] {
-    let begin = sheet.place(fan.first.next());
-    let again = sheet.fan_corners(fan).skip(1).find(|&c| is_towards(sheet, c, begin));
-    [Some(fan.first.face()), again.map(CornerId::face)]
-}
-
-/// How deep a fan that winds more than once lies over itself, as sectors over each other do; infinite where more than its last
-/// face over its first one does.
-pub(super) fn depth_of_fan(sheet: &Sheet<'_>, fan: Fan) -> f64 {
+/// The first face of a fan that winds more than once, the one that covers it after a full turn, and how deep they lie over each
+/// other, as sectors do; infinite where more than the last face over the first one does, or others are at the spot.
+pub(super) fn fan_over_itself(sheet: &Sheet<'_>, fan: Fan, is_alone: bool) -> ([Option<FaceId>; 2], f64) {
     let [centre, begin, end] = [fan.first, fan.first.next(), fan.last.prev()].map(|c| sheet.place(c));
-    let is_last_over_first =
-        faces_over_each_other(sheet, fan)[1] == Some(fan.last.face()) && is_towards(sheet, fan.first, end);
-    if is_last_over_first { distance(end, centre, begin).min(distance(begin, centre, end)) } else { f64::INFINITY }
+    let again = sheet.fan_corners(fan).skip(1).find(|&c| is_towards(sheet, c, begin));
+    let depth = if is_alone && again == Some(fan.last) && is_towards(sheet, fan.first, end) {
+        distance(end, centre, begin).min(distance(begin, centre, end))
+    } else {
+        f64::INFINITY
+    };
+    ([Some(fan.first.face()), again.map(CornerId::face)], depth)
 }
 
 /// Whether the face of a corner lies just counter-clockwise of a direction from that corner.

@@ -202,10 +202,7 @@ impl Overlaps {
                 continue;
             }
             let overlap = match over {
-                Some(&fan) => {
-                    let depth = if is_alone { meeting::depth_of_fan(sheet, fan) } else { f64::INFINITY };
-                    Some((meeting::faces_over_each_other(sheet, fan), depth))
-                }
+                Some(&fan) => Some(meeting::fan_over_itself(sheet, fan, is_alone)),
                 None => {
                     let passing: Vec<&Segment> = passing.iter().map(|&(_, s)| &outline.segments[s as usize]).collect();
                     Meeting::new(sheet, outline, spot, &fans, &passing).overlap()
