@@ -1,6 +1,6 @@
 //! Maps that anybody made, relaxed.
 
-use abf::mesh::{CornerId, Point2, Point3, TriMesh, UvId, UvMap, VertexId};
+use abf::mesh::{CornerId, Point2, Point3, TriMesh, UvId, UvMap};
 use abf::{
     Energy, Event, FlattenError, Observer, Pin, PinWeight, Pins, Pipeline, Relax, RelaxedMap, Silent, Solver,
     Termination, Verdict,
@@ -21,6 +21,36 @@ fn lscm(mesh: &TriMesh) -> UvMap {
 fn centre(uv: &UvMap) -> Point2<f64> {
     let sum = uv.points().iter().fold(Point2::origin(), |sum: Point2<f64>, p| sum + p.coords);
     sum / uv.points().len() as f64
+}
+
+/// Two triangles that meet at a vertex only, far from everything, and their map.
+fn bow() -> (TriMesh, UvMap) {
+    let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 2.0], [1.0, 2.0]].map(|[x, y]| [x + 100.0, y]);
+    let positions = points.map(|[x, y]| Point3::new(x, y, 0.0)).to_vec();
+    let mesh = TriMesh::new(positions, &[[0, 1, 2], [2, 3, 4]]).expect("a mesh");
+    let uv = UvMap::per_vertex(&mesh, &points.map(Point2::from));
+    (mesh, uv)
+}
+
+/// All of these as one mesh with one map.
+fn joined(parts: &[(TriMesh, UvMap)]) -> (TriMesh, UvMap) {
+    let (mut positions, mut faces, mut points, mut corners) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (mesh, uv) in parts {
+        faces.extend(mesh.faces().iter().map(|face| face.map(|v| v.index() + positions.len())));
+        corners.extend(uv.corners().iter().map(|id| UvId::new(id.index() + points.len())));
+        positions.extend_from_slice(mesh.positions());
+        points.extend_from_slice(uv.points());
+    }
+    (TriMesh::new(positions, &faces).expect("a mesh"), UvMap::new(points, corners))
+}
+
+/// Answers so at every step.
+struct AtSteps(Verdict);
+
+impl Observer for AtSteps {
+    fn observe(&mut self, event: Event<'_>) -> Verdict {
+        if matches!(event, Event::Iteration(_)) { self.0 } else { Verdict::Continue }
+    }
 }
 
 fn with_energy(energy: Energy) -> Pipeline {
@@ -183,19 +213,8 @@ fn what_cannot_be_relaxed_is_named() {
 #[test]
 fn a_chart_that_is_no_manifold_stays_as_it_was_and_the_others_are_relaxed() {
     let sheet = Shape::BumpySheet.mesh(400);
-    let (start, far) = (lscm(&sheet), 100.0);
-    let vertices = sheet.vertex_count();
-    let bow = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 2.0], [1.0, 2.0]].map(|[x, y]| [x + far, y]);
-    let bow_faces = [[0, 1, 2], [2, 3, 4]].map(|face| face.map(|v| v + vertices));
-    let faces: Vec<[usize; 3]> = sheet.faces().iter().map(|face| face.map(VertexId::index)).chain(bow_faces).collect();
-    let positions = sheet.positions().iter().copied().chain(bow.map(|[x, y]| Point3::new(x, y, 0.0))).collect();
-    let mesh = TriMesh::new(positions, &faces).expect("a mesh");
-    let corners = start.corners().iter().copied();
-    let of_bow = bow_faces.as_flattened().iter().map(|v| UvId::new(v - vertices + start.points().len()));
-    let uv = UvMap::new(
-        start.points().iter().copied().chain(bow.map(Point2::from)).collect(),
-        corners.chain(of_bow).collect(),
-    );
+    let start = lscm(&sheet);
+    let (mesh, uv) = joined(&[(sheet.clone(), start.clone()), bow()]);
     let map = relaxed(&mesh, &uv, &Pipeline::default());
     assert_eq!(map.charts.iter().map(Option::is_some).collect::<Vec<_>>(), [true, false]);
     let [FlattenError::RelaxChart { face, .. }] = map.refused.as_slice() else { panic!("{:?}", map.refused) };
@@ -211,28 +230,11 @@ fn a_chart_that_is_no_manifold_stays_as_it_was_and_the_others_are_relaxed() {
 
 #[test]
 fn charts_after_a_stop_stay_as_they_were_though_one_before_was_refused() {
-    struct Stops;
-    impl Observer for Stops {
-        fn observe(&mut self, event: Event<'_>) -> Verdict {
-            if matches!(event, Event::Iteration(_)) { Verdict::Stop } else { Verdict::Continue }
-        }
-    }
     let sheet = Shape::BumpySheet.mesh(400);
-    let (start, count) = (lscm(&sheet), sheet.vertex_count());
-    let bow = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 2.0], [1.0, 2.0]].map(|[x, y]| [x + 100.0, y]);
-    let place = |sheets: usize| 5 + sheets * count;
-    let mut positions: Vec<Point3<f64>> = bow.iter().map(|&[x, y]| Point3::new(x, y, 0.0)).collect();
-    let mut faces = vec![[0, 1, 2], [2, 3, 4]];
-    let mut points: Vec<Point2<f64>> = bow.map(Point2::from).to_vec();
-    let mut corners: Vec<UvId> = faces.as_flattened().iter().map(|&v| UvId::new(v)).collect();
-    for sheets in 0..2 {
-        positions.extend(sheet.positions());
-        faces.extend(sheet.faces().iter().map(|face| face.map(|v| v.index() + place(sheets))));
-        corners.extend(start.corners().iter().map(|id| UvId::new(id.index() + points.len())));
-        points.extend(start.points().iter().map(|p| Point2::new(p.x + 3.0 * sheets as f64, p.y)));
-    }
-    let (mesh, uv) = (TriMesh::new(positions, &faces).expect("a mesh"), UvMap::new(points, corners));
-    let map = Pipeline::default().relax_map(&mesh, &uv, &mut Stops).expect("a map");
+    let start = lscm(&sheet);
+    let beside = start.clone().mapped(|p| Point2::new(p.x + 3.0, p.y));
+    let (mesh, uv) = joined(&[bow(), (sheet.clone(), start), (sheet.clone(), beside)]);
+    let map = Pipeline::default().relax_map(&mesh, &uv, &mut AtSteps(Verdict::Stop)).expect("a map");
     assert_eq!(map.refused.len(), 1);
     assert_eq!(map.charts.iter().map(Option::is_some).collect::<Vec<_>>(), [false, true, false]);
     for c in 3 * (2 + sheet.face_count())..3 * mesh.face_count() {
@@ -242,13 +244,7 @@ fn charts_after_a_stop_stay_as_they_were_though_one_before_was_refused() {
 
 #[test]
 fn an_observer_aborts_it() {
-    struct Aborts;
-    impl Observer for Aborts {
-        fn observe(&mut self, event: Event<'_>) -> Verdict {
-            if matches!(event, Event::Iteration(_)) { Verdict::Abort } else { Verdict::Continue }
-        }
-    }
     let mesh = Shape::BumpySheet.mesh(400);
-    let ended = Pipeline::default().relax_map(&mesh, &lscm(&mesh), &mut Aborts).unwrap_err();
+    let ended = Pipeline::default().relax_map(&mesh, &lscm(&mesh), &mut AtSteps(Verdict::Abort)).unwrap_err();
     assert!(matches!(ended, FlattenError::Cancelled(_)), "{ended}");
 }
