@@ -56,12 +56,7 @@ test("seams, materials and UVs decide where charts end", () => {
   const again = { uv: known.uvs, uvIndices: known.indices, seams: "keep" };
   assert.equal(charts(again), 6);
   // A flat strip along a half circle covers little of a page.
-  const strip = { positions: [], indices: [] };
-  for (let i = 0; i <= 48; ++i) {
-    const angle = (Math.PI * i) / 48;
-    for (const r of [4, 4.5, 5]) strip.positions.push(r * Math.cos(angle), r * Math.sin(angle), 0);
-    if (i < 48) for (const a of [3 * i, 3 * i + 1]) strip.indices.push(a, a + 1, a + 4, a, a + 4, a + 3);
-  }
+  const strip = ramp(0.5, 0, 48);
   const parted = engine.unwrap(strip.positions, strip.indices, { coverage: 0.6, seamBudget: 0.5 });
   assert.equal(parted.chartCount, 1 + parted.partedForCoverage);
   assert.ok(parted.partedForCoverage > 0 && parted.injective);

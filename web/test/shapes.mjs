@@ -40,12 +40,12 @@ export function sheet(n) {
   return { positions: new Float64Array(positions), indices: new Uint32Array(indices) };
 }
 
-/** A narrow road that climbs around an axis this many times: a disk that lies over itself when it is flattened. */
-export function ramp(turns) {
-  const [n, positions, indices] = [60, [], []];
+/** A narrow road of n quads along and two across that climbs around an axis: a disk, which lies over itself beyond one turn. */
+export function ramp(turns, rise = 0.3, n = 60) {
+  const [positions, indices] = [[], []];
   for (let i = 0; i <= n; ++i) {
     const angle = (2 * Math.PI * turns * i) / n;
-    for (const r of [4, 4.5, 5]) positions.push(r * Math.cos(angle), r * Math.sin(angle), 0.3 * angle);
+    for (const r of [4, 4.5, 5]) positions.push(r * Math.cos(angle), r * Math.sin(angle), rise * angle);
     if (i < n) for (const a of [3 * i, 3 * i + 1]) indices.push(a, a + 1, a + 4, a, a + 4, a + 3);
   }
   return { positions: new Float64Array(positions), indices: new Uint32Array(indices) };
