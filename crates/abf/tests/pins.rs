@@ -114,6 +114,9 @@ fn everything_that_is_wrong_with_pins_is_named() {
     for part in ["line 2: vertex 0 is pinned twice", "line 3: the pin of vertex 5", "line 4: the pin of vertex 6"] {
         assert!(error.contains(part), "{error}");
     }
+    for text in ["", "# 0 1 2"] {
+        assert!(Pins::read(text).expect_err("no pins").to_string().contains("no pin in it"), "{text}");
+    }
     let [a, b, c] = mesh.faces()[7].map(|v| v.index() as u32);
     assert!(said(&[(a, [0.0, 0.0]), (c, [1.0, 0.0]), (b, [0.0, 1.0])]).contains("turn face 7 over"));
     assert!(said(&[(0, [1e17, 1e17]), (20, [1e17, 1e17 + 16.0])]).contains("doubles do not hold"));

@@ -221,7 +221,7 @@ fn the_output_keeps_every_vertex_to_the_bit_and_adds_uvs() {
     let out = folder.path("out.obj");
     let ran = run([mesh.as_os_str(), "-o".as_ref(), out.as_os_str()]);
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    for note in ["1 polygons cut into 2 triangles", "1 vertices that no face uses kept"] {
+    for note in ["1 polygon cut into 2 triangles", "1 vertex that no face uses kept"] {
         assert!(ran.stderr.contains(&format!("note: {}: {note}\n", mesh.display())), "{}", ran.stderr);
     }
     assert!(ran.stdout.contains(&out.display().to_string()), "{}", ran.stdout);

@@ -231,7 +231,7 @@ fn a_file_without_uvs_is_a_named_error_and_the_others_are_judged() {
     let json = ran.json();
     let kinds: Vec<&Value> = (0..4).map(|k| &json["results"][k]["error"]["kind"]).collect();
     assert_eq!(kinds, [&"no-uv".into(), &Value::Null, &"no-uv".into(), &"not-found".into()]);
-    assert!(json["results"][2]["error"]["message"].as_str().expect("text").contains("1 corners have none"), "{json}");
+    assert!(json["results"][2]["error"]["message"].as_str().expect("text").contains("1 corner has none"), "{json}");
     assert_eq!(json["results"][1]["valid"], true);
     let table = run_on("metrics", &[&bare, &good]).stdout;
     assert!(!table.contains("passes") && table.contains("error: no-uv"), "{table}");

@@ -9,6 +9,9 @@ pub enum BoundaryError {
     /// Entries of a list of angles that mean nothing on this mesh.
     #[error("{}", listed(.0))]
     Angles(Vec<BadAngle>),
+    /// A file of angles without any.
+    #[error("there is no angle in it: a line has a vertex, counted from 0, and its angle in rad, such as '12 1.5708'")]
+    NoAngles,
     /// The corners of a rectangle are four different boundary vertices.
     #[error("the corner {vertex} of the rectangle {}", if *is_twice { "is named twice" } else { "is no boundary vertex" })]
     Corner {
@@ -119,6 +122,9 @@ pub enum BadAngleCause {
     /// A vertex that is there already.
     #[error("it has an angle already")]
     Twice,
+    /// An angle that no vertex can have.
+    #[error("the angle {0} is not a positive number")]
+    NoAngle(f64),
     /// An angle that its triangles cannot have.
     #[error("the angle {angle} is not in (0, {most}), which its triangles can have")]
     Angle {

@@ -19,6 +19,7 @@ pub use error::{BadAngle, BadAngleCause, BoundaryError};
 
 use abf_control::SettingError;
 use abf_mesh::Topology;
+use std::collections::HashSet;
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::str::FromStr;
@@ -96,22 +97,34 @@ impl Boundary {
     /// Reads angles: a vertex, counted from 0, and its angle sum in rad on each line. What follows `#` is a comment.
     ///
     /// # Errors
-    /// [`BoundaryError::Angles`] with every line that is none.
+    /// [`BoundaryError::Angles`] with every line that has no angle, one that is not finite or not positive, or that of a
+    /// vertex that has one already; [`BoundaryError::NoAngles`] where no line has any.
     pub fn read_angles(text: &str) -> Result<Self, BoundaryError> {
         let (mut angles, mut bad) = (Vec::new(), Vec::new());
+        let mut seen = HashSet::new();
         for (number, line) in abf_mesh::text::lines(text) {
-            let words: Vec<&str> = line.split_whitespace().collect();
-            let at = Some(number);
-            match words.as_slice() {
-                [vertex, angle] => match (vertex.parse(), angle.parse()) {
-                    (Ok(vertex), Ok(angle)) => angles.push(BoundaryAngle { vertex, angle, line: at }),
-                    _ => bad.push(BadAngle { vertex: None, line: at, cause: BadAngleCause::Unreadable }),
-                },
-                _ => bad.push(BadAngle { vertex: None, line: at, cause: BadAngleCause::Unreadable }),
-            }
+            let line_number = Some(number);
+            let Some((vertex, angle)) = vertex_and_angle(line) else {
+                bad.push(BadAngle { vertex: None, line: line_number, cause: BadAngleCause::Unreadable });
+                continue;
+            };
+            let is_angle = angle > 0.0 && angle.is_finite();
+            let doubled = (!seen.insert(vertex)).then_some(BadAngleCause::Twice);
+            let causes = doubled.into_iter().chain((!is_angle).then_some(BadAngleCause::NoAngle(angle)));
+            bad.extend(causes.map(|cause| BadAngle { vertex: Some(vertex), line: line_number, cause }));
+            angles.push(BoundaryAngle { vertex, angle, line: line_number });
+        }
+        if angles.is_empty() && bad.is_empty() {
+            return Err(BoundaryError::NoAngles);
         }
         if bad.is_empty() { Ok(Self::Angles(angles)) } else { Err(BoundaryError::Angles(bad)) }
     }
+}
+
+/// A line of a file of angles.
+fn vertex_and_angle(line: &str) -> Option<(u32, f64)> {
+    let (vertex, angle) = line.split_once(char::is_whitespace)?;
+    Some((vertex.parse().ok()?, angle.trim().parse().ok()?))
 }
 
 /// What can be written without a file: `free`, `convex`, `below-2pi[=EPS]`, `rectangle[=v0,v1,v2,v3]`, `circle`.
@@ -188,5 +201,16 @@ mod tests {
             assert!(error.contains(line), "{error}");
         }
         assert!(!error.contains("line 1"), "{error}");
+        let error = Boundary::read_angles("3 1.5\n3 1.5\n4 inf\n5 -1\nfive").unwrap_err().to_string();
+        for part in ["line 2: vertex 3: it has", "line 3: vertex 4: the angle inf", "line 4: vertex 5", "line 5"] {
+            assert!(error.contains(part), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_file_without_angles_is_not_one_that_asks_for_nothing() {
+        for text in ["", "\n\n", "# 3 1.5"] {
+            assert_eq!(Boundary::read_angles(text), Err(BoundaryError::NoAngles), "{text}");
+        }
     }
 }

@@ -64,7 +64,8 @@ impl RepairReport {
         let all = self.changes().into_iter().chain(kept).filter(|(found, _)| found.count > 0);
         let mut out: Vec<String> = all.map(|(found, what)| sentence(found, what)).collect();
         if self.unused_vertices > 0 {
-            out.push(format!("{} vertices that no face uses kept", self.unused_vertices));
+            let unused = Found { count: self.unused_vertices, first: None };
+            out.push(sentence(unused, ["vertex that no face uses kept", "vertices that no face uses kept"]));
         }
         out
     }

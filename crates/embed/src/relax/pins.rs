@@ -53,6 +53,9 @@ pub enum PinFault {
         /// What stands there.
         text: String,
     },
+    /// A file without pins.
+    #[error("there is no pin in it: a line has a vertex, counted from 0, and its place, such as '12 0.5 0.25'")]
+    None,
     /// Something else is wrong with a line of a file.
     #[error("line {line}: {fault}")]
     InLine {
@@ -142,7 +145,8 @@ impl Pins {
     /// stands after `#` are left out.
     ///
     /// # Errors
-    /// [`PinError`] with every line that is no pin, has a number that is none, or pins a vertex again.
+    /// [`PinError`] with every line that is no pin, has a number that is none, or pins a vertex again; or where there is no
+    /// pin at all.
     pub fn read(text: &str) -> Result<Self, PinError> {
         let (mut pins, mut faults) = (Vec::new(), Vec::new());
         let mut seen = HashSet::new();
@@ -156,6 +160,9 @@ impl Pins {
                 }
                 None => faults.push(PinFault::Line { line, text: meant.to_owned() }),
             }
+        }
+        if pins.is_empty() && faults.is_empty() {
+            faults.push(PinFault::None);
         }
         if faults.is_empty() { Ok(Self { pins }) } else { Err(PinError { faults }) }
     }

@@ -72,13 +72,20 @@ pub enum UvDropped {
 impl fmt::Display for UvDropped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::CornersWithout { corners } => write!(f, "{corners} corners have none"),
+            Self::CornersWithout { corners } => f.write_str(&counted(*corners, "corner has none", "corners have none")),
             Self::OtherSet { asked, other } => {
                 write!(f, "not all triangles have TEXCOORD_{asked}, but all have TEXCOORD_{other}")
             }
-            Self::NotFinite { points } => write!(f, "{points} of them are not finite"),
+            Self::NotFinite { points } => {
+                f.write_str(&counted(*points, "of them is not finite", "of them are not finite"))
+            }
         }
     }
+}
+
+/// A number, and the word for one or for several.
+fn counted(n: usize, one: &str, several: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { several })
 }
 
 impl ReadNotes {
@@ -92,13 +99,17 @@ impl ReadNotes {
             }
         };
         let (n, made) = (self.polygons_fanned, self.triangles_from_polygons);
-        say(n, format!("{n} polygons cut into {made} triangles"));
-        say(self.polygons_not_planar, format!("{} polygons are not planar", self.polygons_not_planar));
-        let crossing = self.polygons_crossing;
-        say(crossing, format!("{crossing} polygons cross themselves: some of their triangles are turned over"));
-        say(self.unreferenced_vertices, format!("{} vertices that no face uses kept", self.unreferenced_vertices));
-        say(self.unreferenced_uvs, format!("{} UVs that no corner uses left out", self.unreferenced_uvs));
-        say(self.vertices_welded, format!("{} vertices welded by exact position", self.vertices_welded));
+        say(n, format!("{} cut into {made} triangles", counted(n, "polygon", "polygons")));
+        let bent = self.polygons_not_planar;
+        say(bent, counted(bent, "polygon is not planar", "polygons are not planar"));
+        let crossing = counted(self.polygons_crossing, "polygon crosses itself", "polygons cross themselves");
+        say(self.polygons_crossing, format!("{crossing}: some of the triangles are turned over"));
+        let unused = self.unreferenced_vertices;
+        say(unused, counted(unused, "vertex that no face uses kept", "vertices that no face uses kept"));
+        let unused = self.unreferenced_uvs;
+        say(unused, counted(unused, "UV that no corner uses left out", "UVs that no corner uses left out"));
+        let welded = counted(self.vertices_welded, "vertex", "vertices");
+        say(self.vertices_welded, format!("{welded} welded by exact position"));
         if let Some(why) = self.uv_dropped {
             say(1, format!("UVs left out: {why}"));
         }
