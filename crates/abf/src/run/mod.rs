@@ -23,6 +23,7 @@ pub(crate) use apart::{Part, neighbours, taken_apart, walks};
 use ladder::climb;
 use std::num::NonZeroUsize;
 use task::{Given, Single, Task, begin};
+use thin::ThinMesh;
 
 /// What a surface has to be.
 #[derive(Clone, Copy)]
@@ -158,7 +159,8 @@ impl Pipeline {
             return finish(flat?, observer);
         }
         let bounded = pose(GuessSettings { keep_thin: false, ..self.initial_guess }, angles)?;
-        let flat = thin::better(mesh, prospect.enough, flat, observer, |own, observer| {
+        let thin = ThinMesh { mesh, angle_bound: self.initial_guess.angle_bound, enough: prospect.enough };
+        let flat = thin::better(thin, flat, observer, |own, observer| {
             // A rung that goes on to the optimum comes to the same one from either start.
             let is_optimal = own.is_some_and(|kind| matches!(kind, SolverKind::Barrier | SolverKind::Descent));
             let solver = match &self.solver {

@@ -2,7 +2,7 @@
 
 use super::component::Component;
 use super::foresight::Foresight;
-use super::stretch::Stretch;
+use super::stretch::{Stretch, scaled_aim};
 use super::surface::Surface;
 use crate::run::Prospect;
 use crate::{FlattenError, Flattening, Injective, Pipeline, Solver, SolverKind};
@@ -78,7 +78,7 @@ impl Component<'_, '_> {
             flat => return Ok(flat),
         };
         let l2 = Stretch::measure(chart, &flat.uv, surface.real, surface.mesh.vertex_count())?.l2;
-        if l2 - 1.0 <= ALMOST * (self.settings.max_stretch - 1.0) {
+        if l2 <= scaled_aim(self.settings.max_stretch, ALMOST) {
             if self.budget.is_spent() {
                 flat.termination = Termination::TimeLimit;
                 return Ok(Some(flat));

@@ -1,6 +1,6 @@
 //! The stretch that a piece will have, before it is flattened.
 
-use super::stretch::Stretch;
+use super::stretch::{Stretch, scaled_aim};
 use super::surface::Surface;
 use abf_control::{Cancelled, Checkpoint};
 use abf_cut::{Chart, ConformalScale, Seams, scaled_angles};
@@ -61,7 +61,7 @@ pub(super) struct Foresight {
 
 impl Foresight {
     pub(super) fn new(max_stretch: f64) -> Self {
-        let worth_trying = 1.0 + CAUTION * (max_stretch - 1.0);
+        let worth_trying = scaled_aim(max_stretch, CAUTION);
         Self { max_stretch, worth_trying, system: None, l2: None, log_scale: None }
     }
 
@@ -87,7 +87,7 @@ impl Foresight {
 
     /// Whether a map of what was looked at last is not worth making.
     pub(super) fn is_hopeless(&self) -> bool {
-        !self.is_flat() && self.l2.is_some_and(|l2| l2 - 1.0 > HOPELESS * (self.max_stretch - 1.0))
+        !self.is_flat() && self.l2.is_some_and(|l2| l2 > scaled_aim(self.max_stretch, HOPELESS))
     }
 
     /// Whether what was looked at last is flat or nearly so, as far as is known.
@@ -143,7 +143,7 @@ impl Foresight {
 
     /// Whether a map of what was looked at last may well miss the aim.
     pub(super) fn is_doubtful(&self) -> bool {
-        self.l2.is_some_and(|l2| l2 - 1.0 > DOUBTFUL * (self.max_stretch - 1.0))
+        self.l2.is_some_and(|l2| l2 > scaled_aim(self.max_stretch, DOUBTFUL))
     }
 
     /// Whether the surface that was looked at last has so much less stretch now that seams so many times as long are worth it.
@@ -169,7 +169,7 @@ impl Foresight {
     pub(super) fn learn(&mut self, l2: f64) {
         if let Some(foreseen) = self.l2.filter(|&foreseen| foreseen < l2) {
             let factor = ((foreseen - 1.0) / (l2 - 1.0)).max(LEAST_FACTOR);
-            self.worth_trying = self.worth_trying.min(1.0 + factor * (self.max_stretch - 1.0));
+            self.worth_trying = self.worth_trying.min(scaled_aim(self.max_stretch, factor));
         }
     }
 
@@ -244,7 +244,7 @@ impl Progress {
 
     /// The same of maps that were made because their stretch was foreseen to be small enough for this aim.
     pub(super) fn is_stalled_in_maps(&mut self, l2: f64, max_stretch: f64) -> bool {
-        let is_far = l2 - 1.0 > ALMOST * (max_stretch - 1.0);
+        let is_far = l2 > scaled_aim(max_stretch, ALMOST);
         self.is_stalled(l2) || (is_far && self.without >= PATIENCE_OF_MAPS)
     }
 }

@@ -14,6 +14,11 @@ const NO_AREA: f64 = 1e-14;
 /// More peaks are not looked at.
 const MOST_PEAKS: usize = 200;
 
+/// An aim that is so many times as far above 1.
+pub(super) fn scaled_aim(max_stretch: f64, times: f64) -> f64 {
+    1.0 + times * (max_stretch - 1.0)
+}
+
 /// The stretch of a chart.
 pub(super) struct Stretch {
     /// L² stretch over the real faces ([`Metrics::stretch_l2`](abf_metrics::Metrics::stretch_l2)).
