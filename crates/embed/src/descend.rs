@@ -40,7 +40,7 @@ pub struct Descent {
 
 impl Default for Descent {
     fn default() -> Self {
-        Self { barrier_start: 1.0, barrier_floor: 1e-3, barrier_reduction: 0.1, energy_tolerance: 1e-6 }
+        Self { barrier_start: 1.0, barrier_floor: 1e-3, barrier_reduction: 0.1, energy_tolerance: 3e-6 }
     }
 }
 
@@ -245,7 +245,8 @@ impl<'p, 'a> DescentRun<'p, 'a> {
             let found = self.step(&direction, watch)?;
             self.held = direction.held;
             let last = self.history.last().expect("a step is always recorded");
-            let small = last.step <= stop.step_tolerance || -last.slope <= self.settings.energy_tolerance * scale;
+            let promise = -last.slope / 2.0;
+            let small = last.step <= stop.step_tolerance || promise <= self.settings.energy_tolerance * scale;
             if at_floor && small {
                 return Ok(Termination::Converged);
             }
