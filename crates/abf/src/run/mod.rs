@@ -135,7 +135,7 @@ impl Pipeline {
                 Method::SurfaceAngles => Task::new(given, solver, Single::SurfaceAngles).run(observer),
             }
         };
-        let problem = pose(self.initial_guess, angles.clone())?;
+        let problem = pose(self.initial_guess, angles)?;
         ask(observer, Event::Working)?;
         let solve = |problem: &AngleProblem<'_>, pipeline: &Self, observer: &mut dyn Observer| {
             boundary::solve_bounded((pipeline, working), problem, &solve, observer)
@@ -158,6 +158,8 @@ impl Pipeline {
         if problem.thin_corners() == 0 || !self.uses_the_initial_guess() || budget.is_spent() {
             return finish(flat?, observer);
         }
+        // Measured again, as it is a rare mesh that has to remember its angles for so long.
+        let angles = self.corner_angles(mesh, working)?;
         let bounded = pose(GuessSettings { keep_thin: false, ..self.initial_guess }, angles)?;
         let thin = ThinMesh { mesh, angle_bound: self.initial_guess.angle_bound, enough: prospect.enough };
         let flat = thin::better(thin, flat, observer, |own, observer| {
