@@ -115,7 +115,7 @@ fn everything_that_is_wrong_with_pins_is_named() {
         assert!(error.contains(part), "{error}");
     }
     for text in ["", "# 0 1 2"] {
-        assert!(Pins::read(text).expect_err("no pins").to_string().contains("no pin in it"), "{text}");
+        assert!(Pins::read(text).expect_err("no pins").to_string().contains("the file has no pins"), "{text}");
     }
     let [a, b, c] = mesh.faces()[7].map(|v| v.index() as u32);
     assert!(said(&[(a, [0.0, 0.0]), (c, [1.0, 0.0]), (b, [0.0, 1.0])]).contains("turn face 7 over"));

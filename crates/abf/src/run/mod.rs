@@ -36,7 +36,7 @@ enum Shape {
 #[derive(Clone, Copy)]
 pub(crate) struct Prospect<'p> {
     /// An L² stretch that is as good as 1: where a mesh could be solved in two ways, the second is tried only if the first
-    /// misses that.
+    /// misses that. Where it is 1, as for a lone disk, the first must be worse around its thin triangles than elsewhere, too.
     pub(crate) enough: f64,
     /// Angles near which those of the map are expected, one per corner, rad: see [`AngleProblem::with_expected`].
     pub(crate) expected: Option<&'p [f64]>,
@@ -158,11 +158,11 @@ impl Pipeline {
         if problem.thin_corners() == 0 || !self.uses_the_initial_guess() || budget.is_spent() {
             return finish(flat?, observer);
         }
-        // Measured again, as it is a rare mesh that has to remember its angles for so long.
-        let angles = self.corner_angles(mesh, working)?;
-        let bounded = pose(GuessSettings { keep_thin: false, ..self.initial_guess }, angles)?;
         let thin = ThinMesh { mesh, angle_bound: self.initial_guess.angle_bound, enough: prospect.enough };
         let flat = thin::better(thin, flat, observer, |own, observer| {
+            // Measured again: it is a rare mesh that would have to keep its angles for so long.
+            let angles = self.corner_angles(mesh, working)?;
+            let bounded = pose(GuessSettings { keep_thin: false, ..self.initial_guess }, angles)?;
             // A rung that goes on to the optimum comes to the same one from either start.
             let is_optimal = own.is_some_and(|kind| matches!(kind, SolverKind::Barrier | SolverKind::Descent));
             let solver = match &self.solver {

@@ -1,8 +1,8 @@
 //! Meshes with angles below the bound: solved with their own angles and with bounded ones, and the better kept.
 //!
 //! Neither is always right. A flat sheet with needles in it is exact with its own angles; a needle on a curved surface can
-//! spoil the linearisation, and the bound is what keeps its neighbours in shape. A map that is no worse around its thin triangles
-//! than elsewhere has nothing to gain from the bound, and is the only one that is made.
+//! spoil the linearisation, and the bound is what keeps its neighbours in shape. Where the first map is no worse around thin
+//! triangles than elsewhere, they are not what spoils it, and it is the only one that is made.
 
 use crate::{FlattenError, Flattening, SolverKind};
 use abf_control::{Event, Observer, Termination, ask};
@@ -42,12 +42,14 @@ pub(super) fn better(
     ask(observer, Event::Working)?;
     let Ok(with_own) = own.metrics(mesh) else { return Ok(own) };
     ask(observer, Event::Working)?;
-    let has_nothing_to_gain = || {
-        with_own.stretch_l2 <= enough.max(1.0 + ISOMETRIC)
-            || (with_own.injective()
-                && per_face(mesh, &own.uv).is_ok_and(|faces| is_elsewhere(mesh, angle_bound, &faces)))
+    let is_as_good_as_1 = || with_own.stretch_l2 <= enough.max(1.0 + ISOMETRIC);
+    // A chart that misses its aim is cut: before that both are made.
+    let is_spoilt_elsewhere = || {
+        enough <= 1.0
+            && with_own.injective()
+            && per_face(mesh, &own.uv).is_ok_and(|faces| is_elsewhere(mesh, angle_bound, &faces))
     };
-    let is_enough = own.is_certified() && has_nothing_to_gain();
+    let is_enough = own.is_certified() && (is_as_good_as_1() || is_spoilt_elsewhere());
     if is_enough || own.termination == Termination::Cancelled {
         return Ok(own);
     }
@@ -62,8 +64,8 @@ pub(super) fn better(
     Ok(if is_better { bounded } else { own })
 }
 
-/// Whether the stretch is no more around thin triangles, at whose vertices the bound would change something, than on the whole
-/// surface: their part of what its square is above 1 is no more than their part of the surface.
+/// Whether the map is no worse around thin triangles, at whose vertices the bound would change something, than on the rest of the
+/// surface. `false` where there is no rest.
 fn is_elsewhere(mesh: &TriMesh, angle_bound: f64, faces: &[FaceDistortion]) -> bool {
     let is_thin = |face: &FaceDistortion| {
         face.degenerate_3d || face.mesh_angles.iter().any(|&angle| !(angle_bound..=PI - angle_bound).contains(&angle))
@@ -72,16 +74,27 @@ fn is_elsewhere(mesh: &TriMesh, angle_bound: f64, faces: &[FaceDistortion]) -> b
     for (_, vertices) in faces.iter().zip(mesh.faces()).filter(|(face, _)| is_thin(face)) {
         vertices.iter().for_each(|v| is_near[v.index()] = true);
     }
-    let (mut surface, mut near, mut all) = (0.0, 0.0, 0.0);
+    let (mut near, mut rest) = (Part::default(), Part::default());
     for (face, vertices) in faces.iter().zip(mesh.faces()).filter(|(face, _)| !face.degenerate_3d) {
-        let excess = face.surface_share * (face.stretch_l2.powi(2) - 1.0);
-        all += excess;
-        if vertices.iter().any(|v| is_near[v.index()]) {
-            surface += face.surface_share;
-            near += excess;
-        }
+        let part = if vertices.iter().any(|v| is_near[v.index()]) { &mut near } else { &mut rest };
+        part.surface += face.surface_share;
+        part.distortion += face.surface_share * symmetric_distortion(face);
     }
-    near <= surface * all
+    let is_known = near.distortion.is_finite() && rest.distortion.is_finite() && rest.surface > 0.0;
+    is_known && near.distortion * rest.surface <= rest.distortion * near.surface
+}
+
+/// Some faces together.
+#[derive(Default)]
+struct Part {
+    surface: f64,
+    distortion: f64,
+}
+
+/// What a face is stretched and what it is enlarged by: the mean of `(s₁² + s₂²)/2` and `(1/s₁² + 1/s₂²)/2`, less 1, where the map
+/// keeps the area of the whole. 0 for an isometry, never less.
+fn symmetric_distortion(face: &FaceDistortion) -> f64 {
+    0.5 * face.stretch_l2.powi(2) * (1.0 + face.area_ratio.powi(2)) - 1.0
 }
 
 /// Certified before valid before not; then without overlap, less stretch, less relative angle error.
@@ -93,4 +106,64 @@ fn is_better(one: &(&Flattening, &Metrics), other: &(&Flattening, &Metrics)) -> 
     let (a, b) = (one.1.stretch_l2, other.1.stretch_l2);
     let is_same = (a - b).abs() <= SAME_STRETCH * b;
     if is_same { one.1.f_weighted < other.1.f_weighted } else { a < b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abf_mesh::{Point2, Point3, UvMap};
+
+    const BOUND: f64 = 1e-3;
+
+    /// A row of squares and a needle below one of its edges; the UVs are those of the surface, but for what `moved` does.
+    fn is_elsewhere_with(squares: usize, moved: impl Fn(usize, Point2<f64>) -> Point2<f64>) -> bool {
+        let mut points: Vec<[f64; 3]> = (0..=squares).flat_map(|i| [0.0, 1.0].map(|y| [i as f64, y, 0.0])).collect();
+        points.push([0.5, -1e-4, 0.0]);
+        let needle = points.len() - 1;
+        let mut faces: Vec<[usize; 3]> =
+            (0..squares).map(|i| 2 * i).flat_map(|a| [[a, a + 2, a + 3], [a, a + 3, a + 1]]).collect();
+        faces.push([0, needle, 2]);
+        let mesh = TriMesh::new(points.into_iter().map(Point3::from).collect(), &faces).expect("indices in range");
+        let uv: Vec<Point2<f64>> =
+            mesh.positions().iter().enumerate().map(|(v, p)| moved(v, Point2::new(p.x, p.y))).collect();
+        let faces = per_face(&mesh, &UvMap::per_vertex(&mesh, &uv)).expect("faces");
+        is_elsewhere(&mesh, BOUND, &faces)
+    }
+
+    #[test]
+    fn a_map_is_spoilt_elsewhere_or_around_its_thin_triangles() {
+        let far = 19;
+        assert!(is_elsewhere_with(9, |v, p| if v == far { p + abf_mesh::Vector2::new(3.0, 0.0) } else { p }));
+        assert!(
+            !is_elsewhere_with(9, |v, p| if v == 1 { p + abf_mesh::Vector2::new(-3.0, 0.0) } else { p }),
+            "enlarged"
+        );
+        assert!(!is_elsewhere_with(9, |v, p| if v == 1 { Point2::new(0.0, 0.1) } else { p }), "shrunk");
+    }
+
+    #[test]
+    fn where_every_face_is_near_a_thin_one_nothing_is_known() {
+        assert!(!is_elsewhere_with(1, |_, p| p));
+    }
+
+    #[test]
+    fn what_is_enlarged_is_distorted_as_much_as_what_shrinks() {
+        let face = |scale: f64| {
+            let mesh = TriMesh::new(
+                [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 1.0, 0.0]]
+                    .map(Point3::from)
+                    .to_vec(),
+                &[[0, 1, 2], [3, 4, 5]],
+            )
+            .expect("indices in range");
+            let uv = [[0.0, 0.0], [scale, 0.0], [0.0, scale], [5.0, 0.0], [6.0, 0.0], [5.0, 1.0]].map(Point2::from);
+            per_face(&mesh, &UvMap::per_vertex(&mesh, &uv))
+                .expect("faces")
+                .iter()
+                .map(symmetric_distortion)
+                .sum::<f64>()
+        };
+        assert!(face(1.0).abs() < 1e-12);
+        assert!((face(2.0) - face(0.5)).abs() < 1e-12 && face(2.0) > 0.1);
+    }
 }

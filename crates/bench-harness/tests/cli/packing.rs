@@ -178,7 +178,7 @@ fn what_cannot_be_packed_anew_is_refused_with_the_next_step() {
     let mesh = folder.file("in.obj", SQUARES);
     for (options, file, kind, said) in [
         ("", &bare, "no-uv", "and pack what that writes"),
-        ("", &nan, "no-uv", "1 of them are not finite"),
+        ("", &nan, "no-uv", "1 of them is not finite"),
         ("--texels-per-unit 20000", &mesh, "chart-too-large", "only at"),
         ("--resolution 64 --texels-per-unit 500", &mesh, "too-many-pages", "more --max-pages"),
         ("--resolution 8 --texels-per-unit 60", &mesh, "chart-too-large", "a larger --resolution or --page"),

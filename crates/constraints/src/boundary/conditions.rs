@@ -1,5 +1,6 @@
 //! One condition for each boundary vertex that has one.
 
+use super::circle::angles_on_a_circle;
 use super::error::{BadAngle, BadAngleCause, BoundaryError};
 use abf_mesh::{Topology, VertexId};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -66,8 +67,9 @@ impl BoundaryConditions {
         Self::of_polygon(topology, vertices, bounds)
     }
 
-    /// `π − 2π ℓ/Σℓ`, where `lengths[j]` is that of the boundary edge from the `j`-th vertex of [`boundary_loop`] to the
-    /// next, and `ℓ` the mean of the two at a vertex.
+    /// The angles of a polygon on a circle, where `lengths[j]` is that of the boundary edge from the `j`-th vertex of
+    /// [`boundary_loop`] to the next: `π − (θ + θ′)/2` with `θ = 2 asin(ℓ / 2R)` for the two edges at a vertex, and `Σθ = 2π`.
+    /// Of many short edges that is `π − 2π ℓ/Σℓ`, with `ℓ` the mean of the two.
     ///
     /// # Errors
     /// [`BoundaryError`] when the surface does not allow it.
@@ -76,12 +78,8 @@ impl BoundaryConditions {
     /// If there is not one length for every boundary edge.
     pub fn circle(topology: &Topology, lengths: &[f64]) -> Result<Self, BoundaryError> {
         let vertices = boundary_loop(topology);
-        let n = vertices.len();
-        assert_eq!(lengths.len(), n, "one length for every boundary edge");
-        let total: f64 = lengths.iter().sum();
-        let mean = |j: usize| 0.5 * (lengths[j] + lengths[(j + n - 1) % n]);
-        let bounds = (0..n).map(|j| PI - TAU * mean(j) / total).collect();
-        Self::of_polygon(topology, vertices, bounds)
+        assert_eq!(lengths.len(), vertices.len(), "one length for every boundary edge");
+        Self::of_polygon(topology, vertices, angles_on_a_circle(lengths))
     }
 
     /// These sums, the other boundary vertices free.

@@ -10,7 +10,10 @@ pub enum BoundaryError {
     #[error("{}", listed(.0))]
     Angles(Vec<BadAngle>),
     /// A file of angles without any.
-    #[error("there is no angle in it: a line has a vertex, counted from 0, and its angle in rad, such as '12 1.5708'")]
+    #[error(
+        "the file has no angles: write a vertex, counted from 0, and its angle in rad on each line, such as '12 1.5708', or \
+         leave the boundary free"
+    )]
     NoAngles,
     /// The corners of a rectangle are four different boundary vertices.
     #[error("the corner {vertex} of the rectangle {}", if *is_twice { "is named twice" } else { "is no boundary vertex" })]
@@ -120,11 +123,11 @@ pub enum BadAngleCause {
     #[error("it is not on the boundary")]
     NotOnTheBoundary,
     /// A vertex that is there already.
-    #[error("it has an angle already")]
+    #[error("it has an angle already: leave one of the two out")]
     Twice,
     /// An angle that no vertex can have.
-    #[error("the angle {0} is not a positive number")]
-    NoAngle(f64),
+    #[error("the angle {0} is not positive and finite")]
+    NotPositive(f64),
     /// An angle that its triangles cannot have.
     #[error("the angle {angle} is not in (0, {most}), which its triangles can have")]
     Angle {

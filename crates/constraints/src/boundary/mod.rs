@@ -11,6 +11,7 @@
 //! The boundary of a disk turns by 2π in all, so with `n` boundary vertices `Σ b = (n − 2) π` when every sum is given. One
 //! of the rows then follows from the others.
 
+mod circle;
 mod conditions;
 mod error;
 
@@ -44,8 +45,8 @@ pub enum Boundary {
     /// π/2 at four corners and π elsewhere, the aspect ratio free. The corners are vertices, counted from 0, in any
     /// order; `None` finds those that fit best.
     Rectangle(Option<[u32; 4]>),
-    /// The boundary becomes a circle: `b = π − 2π ℓ/Σℓ`, with `ℓ` the mean length of the two boundary edges at the
-    /// vertex in the layout. It is solved again with the lengths of each layout until they agree.
+    /// The boundary becomes a circle: `b = π − (θ + θ′)/2`, with `θ = 2 asin(ℓ / 2R)` and `ℓ` the lengths of the two boundary
+    /// edges at the vertex in the layout. It is solved again with the lengths of each layout until they agree.
     Circle,
     /// These angle sums; the other boundary vertices are free.
     Angles(Vec<BoundaryAngle>),
@@ -110,7 +111,7 @@ impl Boundary {
             };
             let is_angle = angle > 0.0 && angle.is_finite();
             let doubled = (!seen.insert(vertex)).then_some(BadAngleCause::Twice);
-            let causes = doubled.into_iter().chain((!is_angle).then_some(BadAngleCause::NoAngle(angle)));
+            let causes = doubled.into_iter().chain((!is_angle).then_some(BadAngleCause::NotPositive(angle)));
             bad.extend(causes.map(|cause| BadAngle { vertex: Some(vertex), line: line_number, cause }));
             angles.push(BoundaryAngle { vertex, angle, line: line_number });
         }

@@ -54,8 +54,11 @@ pub enum PinFault {
         text: String,
     },
     /// A file without pins.
-    #[error("there is no pin in it: a line has a vertex, counted from 0, and its place, such as '12 0.5 0.25'")]
-    None,
+    #[error(
+        "the file has no pins: write a vertex, counted from 0, and its place on each line, such as '12 0.5 0.25', or leave the \
+         pins out"
+    )]
+    NoPins,
     /// Something else is wrong with a line of a file.
     #[error("line {line}: {fault}")]
     InLine {
@@ -162,7 +165,7 @@ impl Pins {
             }
         }
         if pins.is_empty() && faults.is_empty() {
-            faults.push(PinFault::None);
+            faults.push(PinFault::NoPins);
         }
         if faults.is_empty() { Ok(Self { pins }) } else { Err(PinError { faults }) }
     }
