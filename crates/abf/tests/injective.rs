@@ -1,8 +1,8 @@
 //! Maps that lie over themselves, and what is done about it.
 
 use abf::{
-    Energy, Event, Flattening, Injective, Observer, Pipeline, Relax, Silent, Stage, StopCriteria, SurfaceHints,
-    Termination, Unwrap, Verdict,
+    Energy, Event, FlattenError, Flattening, Injective, Observer, Pipeline, Relax, Silent, Stage, StopCriteria,
+    SurfaceHints, Termination, Unwrap, Verdict,
 };
 use abf_mesh::{Point3, TriMesh, VertexId};
 use abf_shapes::Shape;
@@ -163,4 +163,13 @@ fn stopped_while_it_is_deformed_the_map_does_not_overlap() {
     let stop = StopCriteria { time_limit: Some(Duration::ZERO), ..StopCriteria::default() };
     let hurried = Pipeline { stop, ..with(Injective::Deform) }.run(&mesh, &mut Silent).expect("a map");
     assert_eq!(hurried.termination, Termination::TimeLimit);
+}
+
+#[test]
+fn a_gap_that_is_too_large_is_refused_whether_or_not_the_map_lies_over_itself() {
+    for mesh in [helix(1.5, 60), Shape::BumpySheet.mesh(60)] {
+        let asked = Pipeline { boundary_gap: 1e3, ..with(Injective::Deform) };
+        let refused = asked.run(&mesh, &mut Silent).expect_err("no room for it");
+        assert!(matches!(refused, FlattenError::GapTooLarge { .. }), "{refused}");
+    }
 }

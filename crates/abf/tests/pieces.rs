@@ -188,6 +188,62 @@ fn thin_triangles_on_curved_sheets_are_bounded_where_that_is_better() {
     assert!(kept <= l2(Pipeline { initial_guess: bounded, ..Pipeline::default() }) * (1.0 + 1e-6), "{kept}");
 }
 
+/// A bumpy sheet of eight faces with a vertex almost on an edge of each. With their own angles the needles come out enlarged, and
+/// everything else shrinks.
+#[test]
+fn thin_triangles_that_crowd_out_the_rest_are_bounded() {
+    let points = [
+        [0.0, 0.0, 0.0],
+        [0.5, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 0.5, 0.0],
+        [0.5, 0.5, -1.1700491],
+        [1.0, 0.5, 0.49328287],
+        [0.0, 1.0, 0.0],
+        [0.5, 1.0, 1.8747547],
+        [1.0, 1.0, -0.79038084],
+        [0.12567078, 2.6299883e-6, 0.0],
+        [0.49999737, 0.26621977, -0.62297424],
+        [0.68417552, 2.6299883e-6, 2.5946563e-6],
+        [0.68110853, 0.18111116, 0.17866932],
+        [0.098978575, 0.50000263, -0.23160357],
+        [0.16044137, 0.660444, 0.60157643],
+        [0.88449436, 0.50000263, 0.10905044],
+        [0.99999737, 0.90698782, -0.5515741],
+    ];
+    let faces = [
+        [0, 1, 9],
+        [1, 3, 9],
+        [3, 0, 9],
+        [1, 4, 10],
+        [4, 3, 10],
+        [3, 1, 10],
+        [1, 2, 11],
+        [2, 5, 11],
+        [5, 1, 11],
+        [1, 5, 12],
+        [5, 4, 12],
+        [4, 1, 12],
+        [3, 4, 13],
+        [4, 7, 13],
+        [7, 3, 13],
+        [3, 7, 14],
+        [7, 6, 14],
+        [6, 3, 14],
+        [4, 5, 15],
+        [5, 7, 15],
+        [7, 4, 15],
+        [5, 8, 16],
+        [8, 7, 16],
+        [7, 5, 16],
+    ];
+    let mesh = mesh(&points, &faces);
+    let flat = flatten(&mesh).expect("a flattening");
+    let metrics = flat.metrics(&mesh).expect("metrics");
+    assert!(metrics.valid() && metrics.stretch_l2 < 3.0, "{}", metrics.stretch_l2);
+    assert_eq!(flat.rungs.len(), 2, "one with its own angles, one with bounded ones: {:?}", flat.rungs);
+}
+
 #[test]
 fn boxes_and_letters_unfold_without_changing_an_angle() {
     assert_exact(&cubes(&[[0, 0, 0]]), 1);

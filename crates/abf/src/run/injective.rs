@@ -26,7 +26,15 @@ pub(super) fn made_injective(
     observer: &mut dyn Observer,
 ) -> Result<Flattening, FlattenError> {
     let rule = given.pipeline.injective;
-    if rule == Injective::Off || flat.termination.is_interruption() || is_enough(&given, &flat) {
+    if rule == Injective::Off || flat.termination.is_interruption() {
+        return Ok(flat);
+    }
+    // The area of the mesh as it was given may underflow.
+    let (gap, most) = (given.pipeline.boundary_gap, MOST_GAP * given.mesh.area().sqrt() / given.scale);
+    if gap > most {
+        return Err(FlattenError::GapTooLarge { gap, most });
+    }
+    if is_enough(&given, &flat) {
         return Ok(flat);
     }
     match rule {
@@ -59,13 +67,8 @@ fn deformed(
 ) -> Result<Flattening, FlattenError> {
     ask(observer, Event::StageStarted(Stage::Relax))?;
     let relax = given.pipeline.relax.unwrap_or(Relax { energy: Energy::Abf, ..Relax::default() });
-    // The area of the mesh as it was given may underflow.
-    let (gap, most) = (given.pipeline.boundary_gap, MOST_GAP * given.mesh.area().sqrt() / given.scale);
-    if gap > most {
-        return Err(FlattenError::GapTooLarge { gap, most });
-    }
     // A power of two moves no bit.
-    let gap = gap * given.scale;
+    let gap = given.pipeline.boundary_gap * given.scale;
     let before = upright(&given, &flat).map(|uv| relax.energy_of(given.mesh, given.problem, &uv));
     let report = InjectiveReport {
         rule: Injective::Deform,

@@ -236,7 +236,7 @@ impl Candidate {
 }
 
 impl RungReport {
-    fn of(flat: &Flattening) -> Self {
+    pub(super) fn of(flat: &Flattening) -> Self {
         Self {
             solver: flat.solver,
             termination: Some(flat.termination),

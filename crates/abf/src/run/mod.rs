@@ -13,7 +13,7 @@ mod task;
 mod thin;
 
 use crate::settings::{Descent, Injective, Method, Pipeline, Solver, SolverKind, ZeroArea, predict_memory};
-use crate::{FlattenError, Flattening};
+use crate::{FlattenError, Flattening, RungReport};
 use abf_constraints::{AngleProblem, BoundaryError, GuessSettings, ProblemError};
 use abf_control::{Event, Observer, Silent, Stage, TimeBudget, ask};
 use abf_embed::Relax;
@@ -165,11 +165,15 @@ impl Pipeline {
             let bounded = pose(GuessSettings { keep_thin: false, ..self.initial_guess }, angles)?;
             // A rung that goes on to the optimum comes to the same one from either start.
             let is_optimal = own.is_some_and(|kind| matches!(kind, SolverKind::Barrier | SolverKind::Descent));
-            let solver = match &self.solver {
-                Solver::Auto(ladder) if is_optimal => ladder.linabf.into(),
-                solver => solver.clone(),
+            let rest = Self { stop: budget.left(), ..self.clone() };
+            let ladder = match &self.solver {
+                Solver::Auto(ladder) if is_optimal => ladder,
+                _ => return solve(&bounded, &rest, observer),
             };
-            solve(&bounded, &Self { stop: budget.left(), solver, ..self.clone() }, observer)
+            ask(observer, Event::RungStarted(SolverKind::LinAbf.name()))?;
+            let mut flat = solve(&bounded, &Self { solver: ladder.linabf.into(), ..rest }, observer)?;
+            flat.rungs.push(RungReport::of(&flat));
+            Ok(flat)
         })?;
         finish(flat, observer)
     }

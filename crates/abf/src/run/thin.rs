@@ -61,7 +61,9 @@ pub(super) fn better(
     ask(observer, Event::Working)?;
     let Ok(with_bound) = bounded.metrics(mesh) else { return Ok(own) };
     let is_better = is_better(&(&bounded, &with_bound), &(&own, &with_own));
-    Ok(if is_better { bounded } else { own })
+    let rungs = [&own, &bounded].into_iter().flat_map(|flat| flat.rungs.iter().cloned()).collect();
+    let kept = if is_better { bounded } else { own };
+    Ok(Flattening { rungs, ..kept })
 }
 
 /// Whether the map is no worse around thin triangles, at whose vertices the bound would change something, than on the rest of the

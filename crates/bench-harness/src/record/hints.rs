@@ -8,7 +8,7 @@ use abf::cut::RepairError;
 use abf::embed::EmbedError;
 use abf::reconstruct::LayoutError;
 use abf::solve_core::{LinearError, SolveError};
-use abf::{AtlasError, FlattenError, MetricsError, PackError, Termination, UnwrapError};
+use abf::{AtlasError, FlattenError, MetricsError, PackError, SolverKind, Termination, UnwrapError};
 use abf_mesh::io::{MeshFormat, ReadError, WriteError};
 use abf_mesh::{DiskError, GeometryError, TopologyError};
 use std::io;
@@ -128,20 +128,31 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
             (FailureKind::Boundary, "change --boundary, or the faces it names; --boundary convex asks for less")
         }
         FlattenError::Pins(_) => (FailureKind::Setting, "change those lines of the file of --pins"),
+        FlattenError::PinsElsewhere("normalize") => (FailureKind::Setting, "leave out --pins, or --normalize"),
+        FlattenError::PinsElsewhere("a boundary rule") => (FailureKind::Setting, "leave out --pins, or --boundary"),
         FlattenError::PinsElsewhere(_) => (
             FailureKind::Setting,
-            "leave out --pins, or --normalize and --boundary; pins go with a disk that is flattened without an atlas",
+            "leave out --pins, or give one disk without options and outputs of an atlas, such as --cut-disks or a glTF",
         ),
         FlattenError::GapTooLarge { .. } => (FailureKind::Setting, "take that, or less, for --boundary-gap"),
         FlattenError::RelaxBoundary(_) => (FailureKind::Setting, "leave out --energy, or --boundary"),
         FlattenError::BoundarySolver(_) => (FailureKind::Setting, "take --solver auto, linabf or barrier"),
-        FlattenError::BoundaryCharts(_) => {
-            (FailureKind::Setting, "give it a disk, flattened without an atlas, or leave --boundary out")
-        }
+        FlattenError::BoundaryCharts(_) => (
+            FailureKind::Setting,
+            "leave out --boundary, or give one disk without options and outputs of an atlas, such as --cut-disks or a glTF",
+        ),
         FlattenError::Problem(_) => (FailureKind::Internal, REPORT),
-        FlattenError::Solve { source: SolveError::Linear(error), .. } => linear(error),
+        FlattenError::Solve { solver, source: SolveError::Linear(error) } => linear(
+            error,
+            match solver {
+                SolverKind::LinAbf => "try --solver barrier, or improve the thinnest triangles",
+                _ => "try --solver linabf, or improve the thinnest triangles",
+            },
+        ),
         FlattenError::Solve { .. } => (FailureKind::NoAngles, "try --solver lscm, or --solver auto"),
-        FlattenError::Layout(LayoutError::Linear { source, .. }) => linear(source),
+        FlattenError::Layout(LayoutError::Linear { source, .. }) => {
+            linear(source, "try another --layout, or improve the thinnest triangles")
+        }
         FlattenError::Layout(LayoutError::NotFinite { .. }) => {
             (FailureKind::LayoutOverflow, "try --layout least-squares, or --layout poisson")
         }
@@ -269,12 +280,12 @@ fn disk(error: &DiskError) -> Hint {
     }
 }
 
-fn linear(error: &LinearError) -> Hint {
+fn linear(error: &LinearError, otherwise: &'static str) -> Hint {
     match error {
         LinearError::TooLarge { .. } | LinearError::OutOfMemory { .. } => {
             (FailureKind::OutOfMemory, "use a coarser mesh or a larger machine")
         }
-        _ => (FailureKind::LinearSolve, "improve the thinnest triangles, or --angle-bound 0.01, or another --layout"),
+        _ => (FailureKind::LinearSolve, otherwise),
     }
 }
 

@@ -174,7 +174,11 @@ fn stretched(record: &Record, may_cut: bool) -> Option<String> {
         } else {
             String::new()
         };
-        format!("an L2 stretch of {stretch} is of little use{TRY}{relaxing}{way_out}")
+        // What the coarse mesh does not have, the fine one does not get.
+        let levels = [SolverKind::HabfPlusPlus, SolverKind::HLinAbf].map(SolverKind::name);
+        let is_by_levels = record.solver.as_deref().is_some_and(|solver| levels.contains(&solver));
+        let on_the_whole = if is_by_levels { format!("--solver {}{OR}", SolverKind::LinAbf) } else { String::new() };
+        format!("an L2 stretch of {stretch} is of little use{TRY}{on_the_whole}{relaxing}{way_out}")
     })
 }
 
@@ -280,6 +284,12 @@ fn tries(solver: &str, run: &RunRecord, may_cut: bool) -> Vec<String> {
     // The steps of relaxing have a limit of their own.
     if run.relaxed.is_some() && run.termination == Termination::MaxIterations {
         return vec![if may_cut { CUT_DISKS.to_owned() } else { longer_seam() }];
+    }
+    if run.relaxed.is_some() && run.termination == Termination::Stalled {
+        let pins = asked.pins.as_ref().filter(|pins| pins.pins.iter().any(|pin| !pin.is_hard()));
+        let weights = pins.map(|_| "smaller weights of soft pins".to_owned());
+        let energy = asked.relax.map(|_| "another --energy".to_owned());
+        return weights.into_iter().chain(energy).chain([longer_seam()]).collect();
     }
     // A solver of someone's own takes none of the options of ours.
     let own = run.settings.solver();
