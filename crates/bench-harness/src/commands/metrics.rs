@@ -9,9 +9,9 @@ use crate::record::{Outcome, Record, Size, Stages, Timings, to_json};
 use crate::run::judge::Judging;
 use crate::run::memory::HeapWatch;
 use crate::run::source::surface;
-use crate::show::advice;
 use crate::show::console;
 use crate::show::files;
+use crate::show::findings;
 use crate::show::show;
 use crate::show::table;
 use abf::Precision;
@@ -79,7 +79,7 @@ fn fill(path: &Path, args: &MetricsArgs, record: &mut Record) -> Result<(), Fail
     let page = args.page.map(|page| page.0);
     let quality = Judging { precision, page, repair }.judged(&file.mesh, objects.as_deref(), &uv);
     record.quality = Some(quality.map_err(|error| Failure::metrics(&record.mesh, &error))?);
-    if let Some(overlap) = advice::overlap(record) {
+    if let Some(overlap) = findings::overlap(record) {
         console::note(&record.mesh, &overlap);
     }
     let total = begin.elapsed().as_secs_f64();

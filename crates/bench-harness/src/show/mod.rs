@@ -4,6 +4,7 @@ pub(crate) mod advice;
 pub(crate) mod console;
 pub(crate) mod errors;
 pub(crate) mod files;
+pub(crate) mod findings;
 pub(crate) mod history;
 pub(crate) mod table;
 

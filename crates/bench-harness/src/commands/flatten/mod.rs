@@ -12,7 +12,7 @@ use crate::run::load::{Loaded, unusable};
 use crate::run::source::Source;
 use crate::run::{self, Flattened};
 use crate::show::show;
-use crate::show::{advice, console, files, history, table};
+use crate::show::{console, files, findings, history, table};
 pub(crate) use settings::Settings;
 use write::{Made, write_files};
 
@@ -112,7 +112,9 @@ fn with_one(source: &Source, settings: &Settings, cancel: &Cancel, runs: &mut Ve
         let repairs = record.atlas.iter().flat_map(|atlas| &atlas.repairs);
         repairs.for_each(|repair| console::note(&record.mesh, repair));
     }
-    for note in [advice::climb(&record), advice::precision(&record), advice::overlap(&record)].into_iter().flatten() {
+    for note in
+        [findings::climb(&record), findings::precision(&record), findings::overlap(&record)].into_iter().flatten()
+    {
         console::note(&record.mesh, &note);
     }
     if let Some(hint) = &record.hint {

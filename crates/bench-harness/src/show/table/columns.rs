@@ -2,7 +2,7 @@
 
 use super::cell::Cell;
 use crate::record::{Change, Quality, Record, RunRecord};
-use crate::show::advice::remark;
+use crate::show::findings::remark;
 
 /// How many digits errors and stretch are shown with.
 pub(crate) const DIGITS: usize = 4;

@@ -2,7 +2,7 @@
 
 use crate::record::number::{count, megabytes, seconds, significant};
 use crate::record::{InnerAccuracy, Kkt, MadeInjective, Pinned, Quality, Record, Relaxed, RunRecord, Size, Timings};
-use crate::show::advice::{ending, lost_in_single};
+use crate::show::findings::{ending, lost_in_single};
 use abf::{Boundary, LinAbf, Metrics, Precision, Solver, SolverKind};
 use std::f64::consts::PI;
 use std::fmt::Write;

@@ -7,7 +7,7 @@ mod format;
 mod full;
 
 use crate::record::{Outcome, Record, Size};
-use crate::show::advice::remark;
+use crate::show::findings::remark;
 pub(crate) use cell::Cell;
 use columns::{COMPARISON, MESHES, PAGE, REPEATS, SOLVERS};
 pub(crate) use columns::{Column, Columns, DIGITS};
