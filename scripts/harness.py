@@ -25,6 +25,16 @@ def program(given):
     return ROOT / "target/release/bench-harness"
 
 
+def said():
+    """This command and the commit, for the head of a table."""
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True,
+                            check=False)
+    words = []
+    for word in sys.argv[1:]:
+        words += [word if word.startswith("-") else pathlib.Path(word).name]
+    return f"`scripts/{pathlib.Path(sys.argv[0]).name} {' '.join(words)}`, commit {commit.stdout.strip()}"
+
+
 def run(binary, arguments, meshes):
     """One result per mesh, as the program's JSON has them. RuntimeError: it did not get that far."""
     return run_with_code(binary, arguments, meshes)[0]

@@ -27,16 +27,6 @@ def packer(given=None):
     return f"{target}/release/examples/outlines"
 
 
-def said():
-    """This command and the commit, for the head of a table."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=harness.ROOT, capture_output=True, text=True,
-                            check=False)
-    words = []
-    for word in sys.argv[1:]:
-        words += [word if word.startswith("-") else pathlib.Path(word).name]
-    return f"`scripts/{pathlib.Path(sys.argv[0]).name} {' '.join(words)}`, commit {commit.stdout.strip()}"
-
-
 def read(text):
     """Charts as lists of loops of points; with `p` lines, pairs of a page and a chart."""
     charts, pages = [], []

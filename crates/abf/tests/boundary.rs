@@ -129,6 +129,24 @@ fn circles_of_few_edges_are_round() {
 }
 
 #[test]
+fn boundaries_are_measured_whatever_the_size_of_the_mesh() {
+    let mesh = Shape::BumpySheet.mesh(200);
+    for size in [1e-160, 1e300] {
+        let points = mesh.positions().iter().map(|p| p * size).collect();
+        let mesh = TriMesh::new(points, &mesh.faces().iter().map(|f| f.map(|v| v.index())).collect::<Vec<_>>())
+            .expect("indices in range");
+        for boundary in [Boundary::Convex, Boundary::Circle, Boundary::Rectangle(None)] {
+            let (flat, report) = flat(&mesh, boundary.clone(), Solver::default());
+            assert_eq!(flat.termination, Termination::Converged, "{boundary} at {size}: {report:?}");
+            let is_measured = report.violation <= NEAR && report.largest_angle > FRAC_PI_2;
+            assert!(is_measured && report.injective_by_convexity, "{boundary} at {size}: {report:?}");
+            let sides = report.sides.map_or(0.0, |[a, b, c, d]| ((a - c).abs() / a).max((b - d).abs() / b));
+            assert!(sides <= 1e-6, "{boundary} at {size}: {report:?}");
+        }
+    }
+}
+
+#[test]
 fn given_angles_are_met_whether_all_or_some_are_given() {
     let mesh = Shape::Hemisphere.mesh(300);
     let all = boundary_loop(&topology(&mesh));

@@ -164,7 +164,13 @@ fn thin_triangles_of_flat_sheets_keep_their_angles() {
         &(1..=n as usize).map(|i| [0, i, i + 1]).collect::<Vec<_>>(),
     );
     let strip = mesh(&[[0.0; 3], [1e4, 0.0, 0.0], [1e4, 1.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2], [0, 2, 3]]);
-    for (name, mesh) in [("fan", fan), ("strip", strip), ("half tube", tube(180, &[0.0, 1000.0], PI))] {
+    // Triangles without a shape that a solver could keep.
+    let zigzag: Vec<[f64; 3]> = (0..200).map(|i| [f64::from(i) / 2.0, f64::from(i % 2) * 1e-8, 0.0]).collect();
+    let ends = |i: usize| if i.is_multiple_of(2) { [i, i + 2, i + 1] } else { [i, i + 1, i + 2] };
+    let shapeless = mesh(&zigzag, &(0..198).map(ends).collect::<Vec<_>>());
+    let meshes =
+        [("fan", fan), ("strip", strip), ("half tube", tube(180, &[0.0, 1000.0], PI)), ("shapeless", shapeless)];
+    for (name, mesh) in meshes {
         let metrics = flatten(&mesh).expect("a flattening").metrics(&mesh).expect("metrics");
         assert!(metrics.injective() && metrics.stretch_l2 - 1.0 < 1e-10, "{name}: {}", metrics.stretch_l2);
     }

@@ -14,7 +14,7 @@ use support::{Table, Timed, once, seconds};
 /// About how many triangles the round bumpy disk gets.
 const TRIANGLES: usize = 1_000_000;
 /// The least of so many runs counts: what else the machine does only adds.
-const RUNS: usize = 5;
+const RUNS: usize = 7;
 
 fn main() {
     let mesh = Shape::FatDisk.mesh(TRIANGLES);
@@ -62,13 +62,13 @@ fn main() {
 /// clock. A flattening is what the library gives: certified UVs.
 fn file_to_file(obj: &[u8]) {
     /// A flattening takes seconds.
-    const RUNS: usize = 5;
+    const RUNS: usize = 7;
     let folder = tempfile::tempdir().expect("a folder");
     let (input, output) = (folder.path().join("in.obj"), folder.path().join("out.obj"));
     std::fs::write(&input, obj).expect("a writable folder");
     let mut table = Table::new(
         "file_to_file",
-        "A million triangles from file to file, median of 5 and its standard deviation, stage by stage",
+        "A million triangles from file to file, median of 7 and its standard deviation, stage by stage",
         &[
             "threads",
             "seconds of",

@@ -11,7 +11,7 @@ use support::{Model, Table, Timed, fixture, models, once, seconds};
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 /// How often each is timed.
-const RUNS: usize = 3;
+const RUNS: usize = 7;
 /// The sizes of the round bumpy disk.
 const DISKS: [usize; 5] = [100_000, 250_000, 600_000, 1_500_000, 4_000_000];
 /// A model is subdivided up to this many triangles.
@@ -20,7 +20,7 @@ const LARGEST: usize = 4_200_000;
 fn main() {
     let mut table = Table::new(
         "scaling",
-        "LinABF, passes until 1e-8, mesh in memory to UVs: median of 3 runs and its standard deviation",
+        "LinABF, passes until 1e-8, mesh in memory to UVs: median of 7 runs and its standard deviation",
         &[
             "mesh",
             "triangles",

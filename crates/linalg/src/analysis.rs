@@ -1,12 +1,17 @@
 //! An order of elimination with all that follows from the pattern alone.
 
+use crate::bisection::Dissection;
 use crate::{Graph, LinearError, Parts, Permutation, SymbolicCholesky, SymmetricPattern};
 use abf_control::Checkpoint;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Multiplications of a factor from which a second order is tried, `Σ c²` over the lengths `c` of its columns. Below it
 /// nested dissection costs more than it saves: measured on cut scans of one to four million triangles.
 const DEAR: f64 = 5e10;
+
+/// On graphs of more vertices dissection begins before it is known whether minimum degree is dear, if a thread is idle.
+const LARGE: usize = 1 << 20;
 
 /// The order, its independent parts and the analysis of the factor, one unknown a vertex.
 #[derive(Clone, Debug)]
@@ -20,34 +25,59 @@ pub struct Analysis {
 }
 
 impl Analysis {
-    /// Analyses an order of minimum degree. Where its factor costs more than 5e10 multiplications, nested dissection is tried
-    /// beside it, and the cheaper of the two is kept.
+    /// Orders a graph by minimum degree and analyses the factor. Where that costs more than 5e10 multiplications, nested
+    /// dissection is tried, too, and the cheaper of the two is kept: the same one for any number of threads.
+    ///
+    /// Minimum degree is one long thread. A second one does `beside` meanwhile; on a graph of more than a million vertices
+    /// it then begins to dissect, since the factor is dear there more often than not.
     ///
     /// # Errors
     /// [`LinearError`] when that does not fit in memory or in 32-bit indices, or the checkpoint ends it.
-    pub fn cheaper(
+    pub fn cheaper<R: Send>(
         graph: &Graph,
-        minimum_degree: &Permutation,
+        beside: impl FnOnce() -> R + Send,
         checkpoint: &mut Checkpoint<'_>,
-    ) -> Result<Self, LinearError> {
-        Self::cheaper_above(DEAR, graph, minimum_degree, checkpoint)
+    ) -> Result<(Self, R), LinearError> {
+        let begin_early = graph.vertex_count() > LARGE && abf_parallel::current_num_threads() > 1;
+        Self::cheaper_above(DEAR, begin_early, graph, beside, checkpoint)
     }
 
-    fn cheaper_above(
+    fn cheaper_above<R: Send>(
         dear: f64,
+        begin_early: bool,
         graph: &Graph,
-        minimum_degree: &Permutation,
+        beside: impl FnOnce() -> R + Send,
         checkpoint: &mut Checkpoint<'_>,
-    ) -> Result<Self, LinearError> {
-        let first = Self::of(graph, minimum_degree, checkpoint)?;
+    ) -> Result<(Self, R), LinearError> {
+        let is_ordered = AtomicBool::new(false);
+        let by_degree = || {
+            let order = graph.amd();
+            // Others go on in the time of the analysis, too, if they have something to do.
+            let analysed = begin_early.then(|| Self::of(graph, order.as_ref().ok()?, &mut || Ok(())).ok()).flatten();
+            is_ordered.store(true, Ordering::Relaxed);
+            order.map(|order| (order, analysed))
+        };
+        let dissect_meanwhile = || {
+            let mut dissection = Dissection::new(graph);
+            while !is_ordered.load(Ordering::Relaxed) && !dissection.is_complete() {
+                dissection.level()?;
+            }
+            Ok::<_, LinearError>(dissection)
+        };
+        let meanwhile = || (beside(), begin_early.then(dissect_meanwhile));
+        let (by_degree, (result, begun)) = abf_parallel::join(by_degree, meanwhile);
+        let (order, analysed) = by_degree?;
+        checkpoint()?;
+        let first = analysed.map_or_else(|| Self::of(graph, &order, checkpoint), Ok)?;
         let cost = first.symbolic.flops();
         if cost <= dear {
-            return Ok(first);
+            return Ok((first, result));
         }
-        let halved = graph.nested_dissection(checkpoint)?;
+        let dissection = begun.unwrap_or_else(|| Ok(Dissection::new(graph)))?;
+        let halved = dissection.finish(checkpoint)?;
         checkpoint()?;
         let second = Self::of(graph, &halved, checkpoint)?;
-        Ok(if second.symbolic.flops() < cost { second } else { first })
+        Ok((if second.symbolic.flops() < cost { second } else { first }, result))
     }
 
     fn of(graph: &Graph, order: &Permutation, checkpoint: &mut Checkpoint<'_>) -> Result<Self, LinearError> {
@@ -64,23 +94,32 @@ impl Analysis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_support::sheet;
+    use crate::test_support::{sheet, with_threads};
 
     #[test]
-    fn the_cheaper_order_is_kept() {
-        let mut go_on = || Ok(());
+    fn the_cheaper_order_is_kept_however_early_dissection_begins() {
         for n in [30, 120] {
             let graph = sheet(n);
             let amd = graph.amd().expect("an ordering");
-            let halved = graph.nested_dissection(&mut go_on).expect("an ordering");
+            let halved = graph.nested_dissection(&mut || Ok(())).expect("an ordering");
             let [by_degree, by_halves] =
                 [&amd, &halved].map(|order| Analysis::of(&graph, order, &mut || Ok(())).expect("fits"));
             let cost = |analysis: &Analysis| analysis.symbolic.flops();
             assert!(cost(&by_degree) != cost(&by_halves));
-            let kept = Analysis::cheaper_above(0.0, &graph, &amd, &mut go_on).expect("fits");
-            let better = if cost(&by_halves) < cost(&by_degree) { by_halves } else { by_degree.clone() };
-            assert_eq!(kept.order, better.order);
-            let untried = Analysis::cheaper(&graph, &amd, &mut go_on).expect("fits");
+            let cheaper = if cost(&by_halves) < cost(&by_degree) { &by_halves } else { &by_degree };
+            for (threads, begin_early) in [(1, false), (1, true), (2, false), (2, true)] {
+                for (dear, expected) in [(0.0, cheaper), (f64::INFINITY, &by_degree)] {
+                    let kept = with_threads(threads, || {
+                        Analysis::cheaper_above(dear, begin_early, &graph, || n, &mut || Ok(())).expect("fits")
+                    });
+                    assert_eq!(
+                        (&kept.0.order, kept.1),
+                        (&expected.order, n),
+                        "{threads} threads, early: {begin_early}"
+                    );
+                }
+            }
+            let untried = Analysis::cheaper(&graph, || (), &mut || Ok(())).expect("fits").0;
             assert_eq!(untried.order, by_degree.order, "cheap factors keep minimum degree");
         }
     }

@@ -38,24 +38,7 @@ impl Graph {
     /// # Errors
     /// [`LinearError`] as [`Graph::amd`], or when the checkpoint ends it.
     pub fn nested_dissection(&self, checkpoint: &mut Checkpoint<'_>) -> Result<Permutation, LinearError> {
-        let size = self.vertex_count();
-        // Vertices that are close to each other get numbers that are: memory is read in about that order from here on.
-        let ids = self.by_breadth();
-        let mut number = vec![NONE; size];
-        let mut pieces = vec![Piece { graph: self.induced(&ids, &mut number), ids, begin: 0 }];
-        drop(number);
-        let mut new_to_old = vec![0; size];
-        // Level by level: the pieces of a level do not meet.
-        while !pieces.is_empty() {
-            checkpoint()?;
-            let parted: Result<Vec<Parted>, LinearError> = pieces.into_par_iter().map(Piece::part).collect();
-            pieces = Vec::new();
-            for Parted { ordered, begin, halves } in parted? {
-                new_to_old[begin..begin + ordered.len()].copy_from_slice(&ordered);
-                pieces.extend(halves);
-            }
-        }
-        Ok(Permutation::from_elimination_order(new_to_old))
+        Dissection::new(self).finish(checkpoint)
     }
 
     /// All vertices in the order in which breadth-first searches reach them.
@@ -87,6 +70,54 @@ impl Graph {
         let made = Self::from_neighbours(vertices.len(), inside);
         vertices.iter().for_each(|&v| number[v as usize] = NONE);
         made
+    }
+}
+
+/// A nested dissection that has come to one of its levels.
+pub(crate) struct Dissection {
+    /// The pieces of this level. They do not meet.
+    pieces: Vec<Piece>,
+    new_to_old: Vec<u32>,
+}
+
+impl Dissection {
+    /// All of a graph in one piece.
+    pub(crate) fn new(graph: &Graph) -> Self {
+        // Vertices that are close to each other get numbers that are: memory is read in about that order from here on.
+        let ids = graph.by_breadth();
+        let mut number = vec![NONE; ids.len()];
+        let new_to_old = vec![0; ids.len()];
+        Self { pieces: vec![Piece { graph: graph.induced(&ids, &mut number), ids, begin: 0 }], new_to_old }
+    }
+
+    pub(crate) fn is_complete(&self) -> bool {
+        self.pieces.is_empty()
+    }
+
+    /// Parts every piece once.
+    ///
+    /// # Errors
+    /// [`LinearError`] as [`Graph::amd`].
+    pub(crate) fn level(&mut self) -> Result<(), LinearError> {
+        let pieces = std::mem::take(&mut self.pieces);
+        let parted: Result<Vec<Parted>, LinearError> = pieces.into_par_iter().map(Piece::part).collect();
+        for Parted { ordered, begin, halves } in parted? {
+            self.new_to_old[begin..begin + ordered.len()].copy_from_slice(&ordered);
+            self.pieces.extend(halves);
+        }
+        Ok(())
+    }
+
+    /// The order, when all levels are done.
+    ///
+    /// # Errors
+    /// [`LinearError`] as [`Graph::amd`], or when the checkpoint ends it.
+    pub(crate) fn finish(mut self, checkpoint: &mut Checkpoint<'_>) -> Result<Permutation, LinearError> {
+        while !self.is_complete() {
+            checkpoint()?;
+            self.level()?;
+        }
+        Ok(Permutation::from_elimination_order(self.new_to_old))
     }
 }
 

@@ -130,15 +130,8 @@ impl TriMesh {
     /// below 1e-290 of the largest coordinate.
     #[must_use]
     pub fn in_range(&self) -> Option<(Self, f64)> {
-        /// Fourth powers of what is in here, and of 1e-20 of it, are doubles.
-        const SAFE: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
         let largest = self.positions.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
-        if largest == 0.0 || SAFE.contains(&largest) || !largest.is_finite() {
-            return None;
-        }
-        // Subnormal numbers have no exponent of their own; 2^1000 brings them up as well as is needed.
-        let exponent = largest.log2().floor().clamp(-1000.0, 1000.0);
-        let scale = (-exponent).exp2();
+        let scale = power_into_range(largest)?;
         let positions = self.positions.iter().map(|p| p * scale).collect();
         Some((Self { positions, faces: self.faces.clone() }, scale))
     }
@@ -188,6 +181,18 @@ impl TriMesh {
             None => Ok(()),
         }
     }
+}
+
+/// The power of two that brings coordinates of which the largest has this size to a size of about 1; `None` where their
+/// products are well within the range of doubles as they are.
+pub(crate) fn power_into_range(largest: f64) -> Option<f64> {
+    /// Fourth powers of what is in here, and of 1e-20 of it, are doubles.
+    const SAFE: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
+    if largest == 0.0 || SAFE.contains(&largest) || !largest.is_finite() {
+        return None;
+    }
+    // Subnormal numbers have no exponent of their own; 2^1000 brings them up as well as is needed.
+    Some((-largest.log2().floor().clamp(-1000.0, 1000.0)).exp2())
 }
 
 /// The edges, multiplied by a power of two where their products would leave the range of doubles: a mesh may have

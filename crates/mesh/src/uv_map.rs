@@ -2,7 +2,7 @@
 
 use abf_parallel::prelude::*;
 
-use crate::tri_mesh::sum_by_block;
+use crate::tri_mesh::{power_into_range, sum_by_block};
 use crate::{CornerId, FaceId, Point2, TriMesh, UvId};
 
 /// Fewer points are not worth a thread.
@@ -159,6 +159,14 @@ impl UvMap {
     #[must_use]
     pub fn bounds(&self) -> Option<(Point2<f64>, Point2<f64>)> {
         crate::bounds(self.points.iter().copied())
+    }
+
+    /// The same map with every coordinate multiplied by a power of two, for coordinates so large or small that their
+    /// products leave the range of doubles, and that power; `None` where they are not. As [`TriMesh::in_range`].
+    #[must_use]
+    pub fn in_range(&self) -> Option<(Self, f64)> {
+        let largest = self.points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+        power_into_range(largest).map(|scale| (self.clone().mapped(|p| p * scale), scale))
     }
 
     /// Moved and scaled uniformly so that its box touches the origin and fits the unit square.

@@ -98,17 +98,13 @@ impl LeastCorrection {
         let spokes = Spokes::new(topology, rows);
         let graph = spokes.graph(rows);
         checkpoint()?;
-        // An ordering is one long thread: what else there is to do goes beside it.
-        let (order, [a, b, c, d]) = abf_parallel::join(
-            || graph.amd(),
-            || {
-                let mut blocks = [(); 4].map(|()| Block::zeros(rows));
-                vertex_block(rows, &inverse, &mut blocks[0]);
-                blocks
-            },
-        );
-        checkpoint()?;
-        let Analysis { order, parts, symbolic } = Analysis::cheaper(&graph, &order?, checkpoint)?;
+        let blocks = || {
+            let mut blocks = [(); 4].map(|()| Block::zeros(rows));
+            vertex_block(rows, &inverse, &mut blocks[0]);
+            blocks
+        };
+        let (analysis, [a, b, c, d]) = Analysis::cheaper(&graph, blocks, checkpoint)?;
+        let Analysis { order, parts, symbolic } = analysis;
         Ok(Self {
             inverse,
             spokes,

@@ -105,7 +105,7 @@ fn in_rounds(
         let (Some(solution), Ok(points)) = (&flat.solution, vertex_points(topology, &flat.uv)) else {
             return Ok(flat);
         };
-        lengths = (0..all.len()).map(|j| (points[all[next(j)].index()] - points[all[j].index()]).norm()).collect();
+        lengths = (0..all.len()).map(|j| length(points[all[next(j)].index()] - points[all[j].index()])).collect();
         problem = problem.with_initial_guess(solution.angles().to_vec());
         last = Some(flat);
         round += 1;
@@ -129,7 +129,12 @@ fn sides(topology: &Topology, uv: &UvMap, corners: [u32; 4]) -> Option<[f64; 4]>
     let is_corner = |v: &VertexId| corners.iter().any(|&corner| corner as usize == v.index());
     let at: Vec<VertexId> = boundary_loop(topology).into_iter().filter(is_corner).collect();
     let at: [VertexId; 4] = at.try_into().ok()?;
-    Some([0, 1, 2, 3].map(|k| (points[at[(k + 1) % 4].index()] - points[at[k].index()]).norm()))
+    Some([0, 1, 2, 3].map(|k| length(points[at[(k + 1) % 4].index()] - points[at[k].index()])))
+}
+
+/// Of a difference of UVs, which may be of any size.
+fn length(v: Vector2<f64>) -> f64 {
+    v.x.hypot(v.y)
 }
 
 /// What the boundary of UVs is like, under conditions.
@@ -139,6 +144,9 @@ pub(super) fn report(
     uv: &UvMap,
     is_valid: bool,
 ) -> BoundaryReport {
+    // Angles and ratios do not depend on the size, but products of coordinates may leave the range of doubles.
+    let scaled = uv.in_range();
+    let uv = scaled.as_ref().map_or(uv, |(uv, _)| uv);
     let angles: Vec<f64> = topology.corners().map(|c| uv_angle(uv, c)).collect();
     let all = boundary_loop(topology);
     let sums: Vec<f64> = all.iter().map(|&v| topology.fan(v).map(|c| angles[c.index()]).sum()).collect();

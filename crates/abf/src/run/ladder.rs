@@ -5,8 +5,9 @@
 //! drawings: where LinABF has no success the other solvers for angles seldom have any, and take longer. They come last, for
 //! meshes on which the descent stalls or finds no start. What is valid and not converged is kept, and the ladder goes on. When nothing is certified the best there is comes out: valid before
 //! not valid, then fewer bad triangles, then the smaller F. With conditions on the boundary the rungs that do not keep
-//! them are left out.
+//! them are left out, and before F it counts how far the boundary is from them.
 
+use super::boundary::MET;
 use super::check_memory;
 use super::task::{Given, Single, Task};
 use crate::settings::{Ladder, Solver, SolverKind};
@@ -231,7 +232,10 @@ impl Candidate {
         let f = |report: &RungReport| report.f.filter(|f| !f.is_nan()).unwrap_or(f64::INFINITY);
         let certified = b.is_certified().cmp(&a.is_certified());
         let bad = a.bad_places().cmp(&b.bad_places());
-        certified.then(b.valid.cmp(&a.valid)).then(bad).then(f(a).total_cmp(&f(b)))
+        // What is within the rounding is met.
+        let off = |flat: &Flattening| flat.boundary.as_ref().map_or(0.0, |boundary| boundary.violation.max(MET));
+        let off = off(&self.flat).total_cmp(&off(&other.flat));
+        certified.then(b.valid.cmp(&a.valid)).then(bad).then(off).then(f(a).total_cmp(&f(b)))
     }
 }
 

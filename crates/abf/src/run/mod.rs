@@ -7,6 +7,7 @@ mod corners;
 mod injective;
 mod ladder;
 mod levels;
+mod plane;
 mod relax;
 mod relax_map;
 mod task;
@@ -15,12 +16,14 @@ mod thin;
 use crate::settings::{Descent, Injective, Method, Pipeline, Solver, SolverKind, ZeroArea, predict_memory};
 use crate::{FlattenError, Flattening, RungReport};
 use abf_constraints::{AngleProblem, BoundaryError, GuessSettings, ProblemError};
-use abf_control::{Event, Observer, Silent, Stage, TimeBudget, ask};
+use abf_control::{Event, Observer, Silent, Stage, Termination, TimeBudget, ask};
 use abf_embed::Relax;
 use abf_mesh::{GeometryError, Topology, TriMesh};
+use abf_solve_core::AngleSolution;
 use abf_solve_linabf::{LinAbf, Passes};
 pub(crate) use apart::{Part, neighbours, taken_apart, walks};
 use ladder::climb;
+pub(crate) use plane::in_plane;
 use std::num::NonZeroUsize;
 use task::{Given, Single, Task, begin};
 use thin::ThinMesh;
@@ -155,11 +158,17 @@ impl Pipeline {
             }
         };
         let flat = solve(&problem, self, observer);
-        if problem.thin_corners() == 0 || !self.uses_the_initial_guess() || budget.is_spent() {
+        let (has_thin, has_shapeless) = (problem.thin_corners() > 0, problem.shapeless_faces() > 0);
+        if !(has_thin || has_shapeless) || !self.uses_the_initial_guess() || budget.is_spent() {
             return finish(flat?, observer);
         }
         let thin = ThinMesh { mesh, angle_bound: self.initial_guess.angle_bound, enough: prospect.enough };
         let flat = thin::better(thin, flat, observer, |own, observer| {
+            // What lies in a plane has a place there already, however thin its triangles are.
+            let as_it_lies = laid_flat(given, own, observer)?;
+            if as_it_lies.is_some() || !has_thin {
+                return Ok(as_it_lies);
+            }
             // Measured again: it is a rare mesh that would have to keep its angles for so long.
             let angles = self.corner_angles(mesh, working)?;
             let bounded = pose(GuessSettings { keep_thin: false, ..self.initial_guess }, angles)?;
@@ -168,12 +177,12 @@ impl Pipeline {
             let rest = Self { stop: budget.left(), ..self.clone() };
             let ladder = match &self.solver {
                 Solver::Auto(ladder) if is_optimal => ladder,
-                _ => return solve(&bounded, &rest, observer),
+                _ => return solve(&bounded, &rest, observer).map(Some),
             };
             ask(observer, Event::RungStarted(SolverKind::LinAbf.name()))?;
             let mut flat = solve(&bounded, &Self { solver: ladder.linabf.into(), ..rest }, observer)?;
             flat.rungs.push(RungReport::of(&flat));
-            Ok(flat)
+            Ok(Some(flat))
         })?;
         finish(flat, observer)
     }
@@ -212,6 +221,23 @@ impl Pipeline {
             solver => check_memory(solver, solver.kind(), self.max_memory, mesh),
         }
     }
+}
+
+/// A flat mesh as it lies in its plane, where that is valid and goes with what is asked. The angles are those of the surface, which
+/// every solver of angles leaves as they are: there is nothing to correct.
+fn laid_flat(
+    given: Given<'_>,
+    own: Option<SolverKind>,
+    observer: &mut dyn Observer,
+) -> Result<Option<Flattening>, FlattenError> {
+    let Given { pipeline, mesh, problem, .. } = given;
+    let Some(points) = in_plane(mesh).filter(|_| pipeline.boundary.is_free()) else { return Ok(None) };
+    let solver =
+        own.unwrap_or(if let Solver::Auto(_) = pipeline.solver { SolverKind::LinAbf } else { pipeline.solver.kind() });
+    let task = Task::new(given, solver, Single::SurfaceAngles);
+    let solution = AngleSolution::measure(problem, mesh.corner_angles(), Termination::Converged, Vec::new());
+    let flat = task.placed((&points, true), solution, &[], observer)?;
+    Ok(flat.certificate.valid().then_some(flat))
 }
 
 /// The solver of angles that takes least.

@@ -26,18 +26,18 @@ pub(super) struct ThinMesh<'m> {
     pub(super) enough: f64,
 }
 
-/// The better of a result and another, which is made only where the first leaves something to gain. `bounded` is told whose
-/// result the first is.
+/// The better of a result and another, which is made only where the first leaves something to gain. `other` is told whose
+/// result the first is; it has none where there is no other way.
 pub(super) fn better(
     ThinMesh { mesh, angle_bound, enough }: ThinMesh<'_>,
     own: Result<Flattening, FlattenError>,
     observer: &mut dyn Observer,
-    bounded: impl FnOnce(Option<SolverKind>, &mut dyn Observer) -> Result<Flattening, FlattenError>,
+    other: impl FnOnce(Option<SolverKind>, &mut dyn Observer) -> Result<Option<Flattening>, FlattenError>,
 ) -> Result<Flattening, FlattenError> {
     let own = match own {
         Ok(own) => own,
         Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
-        Err(error) => return bounded(None, observer).map_err(|_| error),
+        Err(error) => return other(None, observer).ok().flatten().ok_or(error),
     };
     ask(observer, Event::Working)?;
     let Ok(with_own) = own.metrics(mesh) else { return Ok(own) };
@@ -53,16 +53,16 @@ pub(super) fn better(
     if is_enough || own.termination == Termination::Cancelled {
         return Ok(own);
     }
-    let bounded = match bounded(Some(own.solver), observer) {
-        Ok(bounded) => bounded,
+    let other = match other(Some(own.solver), observer) {
+        Ok(Some(other)) => other,
         Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
-        Err(_) => return Ok(own),
+        Ok(None) | Err(_) => return Ok(own),
     };
     ask(observer, Event::Working)?;
-    let Ok(with_bound) = bounded.metrics(mesh) else { return Ok(own) };
-    let is_better = is_better(&(&bounded, &with_bound), &(&own, &with_own));
-    let rungs = [&own, &bounded].into_iter().flat_map(|flat| flat.rungs.iter().cloned()).collect();
-    let kept = if is_better { bounded } else { own };
+    let Ok(of_other) = other.metrics(mesh) else { return Ok(own) };
+    let is_better = is_better(&(&other, &of_other), &(&own, &with_own));
+    let rungs = [&own, &other].into_iter().flat_map(|flat| flat.rungs.iter().cloned()).collect();
+    let kept = if is_better { other } else { own };
     Ok(Flattening { rungs, ..kept })
 }
 

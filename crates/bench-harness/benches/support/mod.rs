@@ -177,6 +177,7 @@ impl Table {
         write("md", &markdown);
         write("json", &serde_json::to_string_pretty(&self.json()).expect("strings are JSON"));
         write("html", &self.html());
+        println!("\nmeasured at {}", commit());
         println!("\n{markdown}\nwritten to {}/{}.{{md,json,html}}", folder.display(), self.name);
     }
 
@@ -211,6 +212,15 @@ impl Table {
             cells("th scope=\"col\"", &head).replace("</th scope=\"col\">", "</th>")
         )
     }
+}
+
+/// The commit of the working copy, and whether it has changes; unknown where there is no git.
+fn commit() -> String {
+    let asked =
+        std::process::Command::new("git").args(["describe", "--always", "--dirty"]).current_dir(root()).output();
+    let said = asked.ok().filter(|asked| asked.status.success()).map(|asked| asked.stdout);
+    said.and_then(|said| String::from_utf8(said).ok())
+        .map_or_else(|| "a commit that git does not tell".to_owned(), |said| format!("commit {}", said.trim()))
 }
 
 /// A number where the cell shows one, else its text.

@@ -204,7 +204,7 @@ fn notes(rows: &[Iteration], corners: usize) -> Vec<String> {
     let coarse = rows.iter().find(|row| row.corners != corners).map(|row| row.corners);
     let within_reach = rows.iter().any(|row| row.stage == Part::Relax && row.energy.is_none());
     [
-        without_drawing.map(|by| format!("no f and no flips of {by}: there are no positions before the layout")),
+        without_drawing.map(|by| format!("no f and no flips of {by}: positions come after its last row")),
         without_energy.map(|by| format!("no energy of {by}: the target moves")),
         coarse.map(|n| format!("rows of {n} corners are those of a coarse level: their energy is not one of the mesh")),
         within_reach.then(|| "no energy of steps to shapes within reach: the target moves".to_owned()),
@@ -374,7 +374,7 @@ mod tests {
         let history = History::new(&Pipeline::default(), ended("linabf"), trace);
         assert_eq!(history.outer(), [(0.0, 1.0), (1.0, 0.1)]);
         assert_eq!((history.inner(), history.timed().len()), (vec![0.5], 4));
-        let note = "no f and no flips of linabf, barrier: there are no positions before the layout";
+        let note = "no f and no flips of linabf, barrier: positions come after its last row";
         assert!(history.notes.contains(&note.to_owned()), "{:?}", history.notes);
     }
 

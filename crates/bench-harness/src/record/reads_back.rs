@@ -378,6 +378,7 @@ impl Dice {
                 count: dice.count(),
                 warmup: dice.count(),
                 identical: dice.yes(),
+                deviation_s: dice.stages(),
                 min_s: dice.stages(),
                 max_s: dice.stages(),
             }),

@@ -59,17 +59,22 @@ pub(crate) struct Repeats {
     pub(crate) warmup: usize,
     /// Whether all of them gave the same bits.
     pub(crate) identical: bool,
+    /// The standard deviation; 0 of a single run.
+    #[serde(default)]
+    pub(crate) deviation_s: Stages,
     /// The least.
     pub(crate) min_s: Stages,
     /// The greatest.
     pub(crate) max_s: Stages,
 }
 
-/// Median, least and greatest of each stage.
+/// Median, standard deviation, least and greatest of each stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Spread {
     /// The middle one; the mean of the middle two.
     pub(crate) median: Stages,
+    /// The standard deviation, from the mean.
+    pub(crate) deviation: Stages,
     /// The least.
     pub(crate) min: Stages,
     /// The greatest.
@@ -97,8 +102,19 @@ impl Spread {
                     .then(|| stage(|s| s.flatten_cpu.unwrap_or_default())),
             }
         };
-        Self { median: each(median), min: each(|sorted| sorted[0]), max: each(|sorted| sorted[sorted.len() - 1]) }
+        Self {
+            median: each(median),
+            deviation: each(deviation),
+            min: each(|sorted| sorted[0]),
+            max: each(|sorted| sorted[sorted.len() - 1]),
+        }
     }
+}
+
+fn deviation(seconds: &[f64]) -> f64 {
+    let mean = seconds.iter().sum::<f64>() / seconds.len() as f64;
+    let squares: f64 = seconds.iter().map(|s| (s - mean).powi(2)).sum();
+    (squares / (seconds.len().max(2) - 1) as f64).sqrt()
 }
 
 fn median(sorted: &[f64]) -> f64 {
@@ -117,7 +133,9 @@ mod tests {
         let spread = Spread::of(&[run(5.0, 1.0), run(2.0, 2.0), run(3.0, 9.0)]);
         assert_eq!(spread.median, Stages { topology: 1.0, solve: 3.0, layout: 2.0, flatten: 7.0, ..Stages::default() });
         assert_eq!((spread.min.solve, spread.max.layout), (2.0, 9.0));
+        assert_eq!((spread.deviation.topology, spread.deviation.layout), (0.0, 19_f64.sqrt()));
         assert_eq!(Spread::of(&[run(5.0, 1.0), run(2.0, 2.0)]).median.solve, 3.5);
-        assert_eq!(Spread::of(&[run(5.0, 1.0)]).median, run(5.0, 1.0));
+        let once = Spread::of(&[run(5.0, 1.0)]);
+        assert_eq!((once.median, once.deviation.solve), (run(5.0, 1.0), 0.0));
     }
 }

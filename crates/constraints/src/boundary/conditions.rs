@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Marks a vertex without a condition.
 const NONE: u32 = u32::MAX;
 
-/// Sums of all angles of a boundary may be off by this much, rad.
+/// Sums of all angles of a boundary may be off by this much, rad; each takes its share of what they are off by.
 const SUM_TOLERANCE: f64 = 1e-6;
 
 /// A polygon that is cut off has at least this much left for its two other angles, rad.
@@ -116,6 +116,11 @@ impl BoundaryConditions {
         let all = boundary_loop(topology);
         conditions.check_sum(topology, &all)?;
         conditions.check_polygons(topology, &all)?;
+        if conditions.len() == all.len() {
+            // Angles that were written with a few digits are those of no polygon, and no iteration would come closer to them.
+            let share = (conditions.turn() - TAU) / all.len() as f64;
+            conditions.bounds.iter_mut().for_each(|bound| *bound += share);
+        }
         // What is left follows from the triangles, the interior vertices and the others.
         conditions.dropped = (conditions.len() == all.len()).then(|| conditions.len() - 1);
         Ok(conditions)
@@ -126,9 +131,7 @@ impl BoundaryConditions {
         let sum: f64 = self.bounds.iter().sum();
         let needed = (count as f64 - 2.0) * PI;
         if given == count {
-            // The turns at the vertices are small where the sum is large, so that no digits are lost.
-            let turn: f64 = self.bounds.iter().map(|bound| PI - bound).sum();
-            let is_met = (turn - TAU).abs() <= SUM_TOLERANCE;
+            let is_met = (self.turn() - TAU).abs() <= SUM_TOLERANCE;
             return if is_met { Ok(()) } else { Err(BoundaryError::Sum { count, sum, needed }) };
         }
         let others = all.iter().filter(|&&v| self.place(v).is_none());
@@ -136,6 +139,12 @@ impl BoundaryConditions {
         let left = needed - sum;
         let is_met = left > 0.0 && left < room;
         if is_met { Ok(()) } else { Err(BoundaryError::Rest { given, count, sum, left, room }) }
+    }
+
+    /// By how much the boundary turns at the vertices that have a row, rad: small where the sum of the angles is large, so that no
+    /// digits are lost.
+    fn turn(&self) -> f64 {
+        self.bounds.iter().map(|bound| PI - bound).sum()
     }
 
     /// Every polygon that an edge between boundary vertices cuts off has `m + 2` angles: where `m` of them are given, the
@@ -202,7 +211,7 @@ impl BoundaryConditions {
         }
     }
 
-    /// b, rad.
+    /// b, rad. Where a whole boundary was given and its sum was off by 1e-6 or less, every vertex has its share of that.
     #[must_use]
     pub fn bounds(&self) -> &[f64] {
         &self.bounds
@@ -327,6 +336,10 @@ mod tests {
         assert_eq!((conditions.len(), conditions.dropped()), (4, Some(3)));
         let error = BoundaryConditions::given(&square, &all(FRAC_PI_2 + 1e-5)).unwrap_err();
         assert!(matches!(error, BoundaryError::Sum { count: 4, .. }), "{error}");
+        // What few digits leave of the sum is shared.
+        let rounded = BoundaryConditions::given(&square, &all(FRAC_PI_2 + 8e-7)).expect("a square");
+        let sum: f64 = rounded.bounds().iter().sum();
+        assert!((sum - TAU).abs() < 1e-14 && (rounded.bounds()[0] - FRAC_PI_2 + 2e-7).abs() < 1e-14, "{rounded:?}");
         let error = BoundaryConditions::given(&square, &[angle(0, 6.0), angle(2, 0.3)]).unwrap_err();
         assert!(matches!(error, BoundaryError::Rest { given: 2, .. }), "{error}");
         let some = BoundaryConditions::given(&square, &all(FRAC_PI_2)[..3]).expect("three of a square");

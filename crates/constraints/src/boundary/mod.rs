@@ -98,15 +98,17 @@ impl Boundary {
     /// Reads angles: a vertex, counted from 0, and its angle sum in rad on each line. What follows `#` is a comment.
     ///
     /// # Errors
-    /// [`BoundaryError::Angles`] with every line that has no angle, one that is not finite or not positive, or that of a
-    /// vertex that has one already; [`BoundaryError::NoAngles`] where no line has any.
+    /// [`BoundaryError::Angles`] where a line has no vertex and angle: with every such line, and every one with an angle that is
+    /// not finite or not positive, or that of a vertex that has one already. Where all lines can be read, the last two are found
+    /// together with what does not fit the mesh, by [`Boundary::conditions`]. [`BoundaryError::NoAngles`] where no line has any.
     pub fn read_angles(text: &str) -> Result<Self, BoundaryError> {
-        let (mut angles, mut bad) = (Vec::new(), Vec::new());
+        let (mut angles, mut bad, mut is_readable) = (Vec::new(), Vec::new(), true);
         let mut seen = HashSet::new();
         for (number, line) in abf_mesh::text::lines(text) {
             let line_number = Some(number);
             let Some((vertex, angle)) = vertex_and_angle(line) else {
                 bad.push(BadAngle { vertex: None, line: line_number, cause: BadAngleCause::Unreadable });
+                is_readable = false;
                 continue;
             };
             let is_angle = angle > 0.0 && angle.is_finite();
@@ -118,7 +120,7 @@ impl Boundary {
         if angles.is_empty() && bad.is_empty() {
             return Err(BoundaryError::NoAngles);
         }
-        if bad.is_empty() { Ok(Self::Angles(angles)) } else { Err(BoundaryError::Angles(bad)) }
+        if is_readable { Ok(Self::Angles(angles)) } else { Err(BoundaryError::Angles(bad)) }
     }
 }
 

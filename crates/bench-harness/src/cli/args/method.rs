@@ -90,8 +90,8 @@ pub(crate) struct MethodArgs {
     /// Vertices are counted from 0, angles are in rad. below-2pi keeps every angle of the boundary EPS below 2π (0.01).
     /// A rectangle finds its corners itself where they are not named. FILE has a vertex and its angle on each line.
     /// What it goes with:
-    /// * one disk, uncut: yes
-    /// * holes, handles, several parts, an atlas: no
+    /// * one disk, uncut, to OBJ or PLY: yes
+    /// * holes, handles, several parts, an atlas, a glTF: no
     /// * auto: yes, by linabf, then barrier
     /// * linabf, barrier: yes
     /// * linabf with --error-bound, all other solvers: no

@@ -46,11 +46,11 @@ pub(super) fn repeated(loaded: &Loaded, method: &Method, runs: Runs, cancel: &Ca
             Err(_) => identical = false,
         }
     }
-    let Spread { median, min, max } = Spread::of(&measured);
+    let Spread { median, deviation, min, max } = Spread::of(&measured);
     timings.total += median.flatten - timings.stages.flatten;
     timings.stages = median;
     first.record.timings_s = Some(timings);
     let (count, warmup) = (measured.len(), runs.warmup);
-    first.record.repeats = Some(Repeats { count, warmup, identical, min_s: min, max_s: max });
+    first.record.repeats = Some(Repeats { count, warmup, identical, deviation_s: deviation, min_s: min, max_s: max });
     first
 }

@@ -52,6 +52,7 @@ const FIGURES: &[Column] = &[F, STRETCH_L2, STRETCH_LINF];
 /// The times of several runs, and what changed since the baseline.
 const RUNS: &[Column] = &[
     TIME,
+    DEVIATION,
     LEAST,
     GREATEST,
     MEMORY,
@@ -115,6 +116,8 @@ const STRETCH_LINF: Column =
 const TOTAL: Column = Column::number("time", "total_s", |r| r.timings_s.map(|t| Cell::Seconds(t.total)).into());
 const TIME: Column =
     Column::number("time", "flatten_s", |r| r.timings_s.map(|t| Cell::Seconds(t.stages.flatten)).into());
+const DEVIATION: Column =
+    Column::number("±", "flatten_deviation_s", |r| r.repeats.map(|t| Cell::Seconds(t.deviation_s.flatten)).into());
 const LEAST: Column =
     Column::number("least", "flatten_min_s", |r| r.repeats.map(|t| Cell::Seconds(t.min_s.flatten)).into());
 const GREATEST: Column =
