@@ -27,12 +27,15 @@ def program(given):
 
 def said():
     """This command and the commit, for the head of a table."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True,
-                            check=False)
+    try:
+        asked = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True, check=True)
+        commit = asked.stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        commit = "unknown"
     words = []
     for word in sys.argv[1:]:
         words += [word if word.startswith("-") else pathlib.Path(word).name]
-    return f"`scripts/{pathlib.Path(sys.argv[0]).name} {' '.join(words)}`, commit {commit.stdout.strip()}"
+    return f"`scripts/{pathlib.Path(sys.argv[0]).name} {' '.join(words)}`, commit {commit}"
 
 
 def run(binary, arguments, meshes):

@@ -8,6 +8,38 @@ use abf_mesh::{DiskError, FaceId, GeometryError, TopologyError};
 use abf_metrics::MetricsError;
 use abf_reconstruct::{LayoutError, LayoutKind};
 use abf_solve_core::SolveError;
+use std::fmt;
+
+/// What a setting does not go with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Elsewhere {
+    /// UVs scaled into the unit square.
+    Normalize,
+    /// A rule for the boundary.
+    Boundary,
+    /// Pins.
+    Pins,
+    /// A mesh that is cut into charts.
+    Charts,
+    /// A map that has seams already, or several charts.
+    Seams,
+    /// A map that is there already.
+    Map,
+}
+
+impl fmt::Display for Elsewhere {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Normalize => "normalize",
+            Self::Boundary => "a boundary rule",
+            Self::Pins => "pins",
+            Self::Charts => "charts",
+            Self::Seams => "a map with seams or of several charts",
+            Self::Map => "a map that is there",
+        })
+    }
+}
 
 /// Why a mesh could not be flattened.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -50,7 +82,7 @@ pub enum FlattenError {
     Injective(#[source] EmbedError),
     /// What keeps a map from lying over itself moves the boundary, and parts it.
     #[error("the rule '{0}' for overlaps does not go with {1}")]
-    InjectiveElsewhere(Injective, &'static str),
+    InjectiveElsewhere(Injective, Elsewhere),
     /// A gap is kept by a map that is deformed, in the units of the mesh.
     #[error("a boundary gap needs the rule 'deform' for overlaps, and UVs that are not normalized")]
     GapElsewhere,
@@ -76,7 +108,7 @@ pub enum FlattenError {
     },
     /// Pins say where the map is.
     #[error("pins do not go with {0}")]
-    PinsElsewhere(&'static str),
+    PinsElsewhere(Elsewhere),
     /// Relaxing moves the boundary.
     #[error("relaxing to the energy '{0}' moves the boundary: it does not keep a boundary rule")]
     RelaxBoundary(String),

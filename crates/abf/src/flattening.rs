@@ -41,7 +41,8 @@ pub struct Flattening {
     pub boundary: Option<BoundaryReport>,
     /// The levels of a hierarchical solver; `None` for the others.
     pub hierarchy: Option<HierarchyReport>,
-    /// What relaxing did; `None` where it was not asked for, or there was no map or no time for it.
+    /// What relaxing did; `None` where it was not asked for, there was no map or no time for it, or the map keeps all lengths
+    /// as it is, which is the least of every energy.
     pub relaxed: Option<RelaxReport>,
     /// What was done about overlaps; `None` where nothing was.
     pub injective: Option<InjectiveReport>,
@@ -210,7 +211,7 @@ impl RungReport {
 #[non_exhaustive]
 pub struct LayoutReport {
     /// The method that was used; never [`LayoutKind::Auto`]. `None` for the descent and HABF++,
-    /// whose results are the UVs.
+    /// whose results are the UVs, and for a flat mesh that is laid out as it lies.
     pub kind: Option<LayoutKind>,
     /// The true relative residual of its linear solve; `None` for the tree.
     pub linear_residual: Option<f64>,

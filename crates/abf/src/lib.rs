@@ -51,7 +51,7 @@ pub use arrays::{ArrayError, ArrayUnwrapper, UnwrappedArrays};
 pub use atlas::{
     Atlas, AtlasError, AtlasPages, NarrowPlace, Packed, Parted, Parting, Placement, Repack, Repacked, Stored,
 };
-pub use error::FlattenError;
+pub use error::{Elsewhere, FlattenError};
 pub use flattening::{
     BoundaryReport, Flattening, HierarchyReport, InjectiveReport, LayoutReport, PinReport, RelaxReport, RelaxedMap,
     RungReport,

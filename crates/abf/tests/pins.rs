@@ -1,7 +1,7 @@
 //! Maps with vertices in given places.
 
 use abf::mesh::{Topology, TriMesh, VertexId};
-use abf::{Energy, FlattenError, Flattening, Pin, PinWeight, Pins, Pipeline, Relax, Silent};
+use abf::{Elsewhere, Energy, FlattenError, Flattening, Pin, PinWeight, Pins, Pipeline, Relax, Silent};
 use abf_shapes::Shape;
 use std::f64::consts::TAU;
 
@@ -125,5 +125,5 @@ fn everything_that_is_wrong_with_pins_is_named() {
     assert_eq!(Pins::read("\u{feff}0 1 2\r\n2 0 0 soft 3\r\n"), Ok(read.clone()));
     assert_eq!(Pins::read(&read.to_string()), Ok(read));
     let pipeline = Pipeline { pins: Some(Pins::default()), normalize: true, ..Pipeline::default() };
-    assert_eq!(pipeline.check(), Err(FlattenError::PinsElsewhere("normalize")));
+    assert_eq!(pipeline.check(), Err(FlattenError::PinsElsewhere(Elsewhere::Normalize)));
 }

@@ -61,8 +61,6 @@ fn main() {
 /// What reading, judging and writing add to a flattening, on one thread in processor time and on all in time of the
 /// clock. A flattening is what the library gives: certified UVs.
 fn file_to_file(obj: &[u8]) {
-    /// A flattening takes seconds.
-    const RUNS: usize = 7;
     let folder = tempfile::tempdir().expect("a folder");
     let (input, output) = (folder.path().join("in.obj"), folder.path().join("out.obj"));
     std::fs::write(&input, obj).expect("a writable folder");

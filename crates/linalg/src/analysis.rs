@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// nested dissection costs more than it saves: measured on cut scans of one to four million triangles.
 const DEAR: f64 = 5e10;
 
-/// On graphs of more vertices dissection begins before it is known whether minimum degree is dear, if a thread is idle.
+/// On graphs of more vertices dissection begins before it is known whether minimum degree is dear, where there is more than one thread.
 const LARGE: usize = 1 << 20;
 
 /// The order, its independent parts and the analysis of the factor, one unknown a vertex.
@@ -28,8 +28,9 @@ impl Analysis {
     /// Orders a graph by minimum degree and analyses the factor. Where that costs more than 5e10 multiplications, nested
     /// dissection is tried, too, and the cheaper of the two is kept: the same one for any number of threads.
     ///
-    /// Minimum degree is one long thread. A second one does `beside` meanwhile; on a graph of more than a million vertices
-    /// it then begins to dissect, since the factor is dear there more often than not.
+    /// Minimum degree is one long thread. A second one does `beside` meanwhile. On a graph of more than a million vertices
+    /// it then begins to dissect, since the factor is dear there more often than not; the checkpoint is not asked until the
+    /// first thread has ordered and analysed the graph.
     ///
     /// # Errors
     /// [`LinearError`] when that does not fit in memory or in 32-bit indices, or the checkpoint ends it.
@@ -52,19 +53,20 @@ impl Analysis {
         let is_ordered = AtomicBool::new(false);
         let by_degree = || {
             let order = graph.amd();
-            // Others go on in the time of the analysis, too, if they have something to do.
+            // While this thread analyses, the other one goes on dissecting.
             let analysed = begin_early.then(|| Self::of(graph, order.as_ref().ok()?, &mut || Ok(())).ok()).flatten();
             is_ordered.store(true, Ordering::Relaxed);
             order.map(|order| (order, analysed))
         };
-        let dissect_meanwhile = || {
+        let is_idle = || begin_early && !is_ordered.load(Ordering::Relaxed);
+        let dissect = || {
             let mut dissection = Dissection::new(graph);
-            while !is_ordered.load(Ordering::Relaxed) && !dissection.is_complete() {
+            while is_idle() && !dissection.is_complete() {
                 dissection.level()?;
             }
             Ok::<_, LinearError>(dissection)
         };
-        let meanwhile = || (beside(), begin_early.then(dissect_meanwhile));
+        let meanwhile = || (beside(), is_idle().then(dissect));
         let (by_degree, (result, begun)) = abf_parallel::join(by_degree, meanwhile);
         let (order, analysed) = by_degree?;
         checkpoint()?;

@@ -1,6 +1,7 @@
 //! A boundary that is asked for: posed, solved once or in rounds, and looked at in the result.
 
 use super::corners::best_corners;
+use super::hearing::Hearing;
 use crate::settings::Pipeline;
 use crate::{BoundaryReport, FlattenError, Flattening};
 use abf_constraints::{AngleProblem, Boundary, BoundaryConditions, ProblemError, boundary_loop};
@@ -63,6 +64,7 @@ fn in_rounds(
     observer: &mut dyn Observer,
 ) -> Result<Flattening, FlattenError> {
     let budget = TimeBudget::start(&pipeline.stop);
+    let observer = &mut Hearing::new(observer);
     let topology = problem.topology();
     let all = boundary_loop(topology);
     let next = |j: usize| (j + 1) % all.len();
@@ -81,9 +83,14 @@ fn in_rounds(
             }
         };
         problem = problem.with_boundary(Some(conditions));
-        let flat = match solve(&problem, &Pipeline { stop: budget.left(), ..pipeline.clone() }, observer) {
+        let solved = solve(&problem, &Pipeline { stop: budget.left(), ..pipeline.clone() }, observer);
+        observer.aborted()?;
+        let flat = match solved {
             Ok(flat) => finished(flat, topology, round, None),
-            Err(error @ FlattenError::Cancelled(_)) => return Err(error),
+            // It was stopped: the round before is there.
+            Err(error @ FlattenError::Cancelled(_)) => {
+                return last.map(|last| ended_as(Termination::Cancelled, last)).ok_or(error);
+            }
             Err(error) => return last.map(|last| ended_as(Termination::Stalled, last)).ok_or(error),
         };
         let ended = flat.termination;
@@ -102,10 +109,13 @@ fn in_rounds(
         if round == ROUNDS {
             return Ok(ended_as(Termination::Stalled, flat));
         }
-        let (Some(solution), Ok(points)) = (&flat.solution, vertex_points(topology, &flat.uv)) else {
+        // Only their ratios count.
+        let scaled = flat.uv.in_range();
+        let points = vertex_points(topology, scaled.as_ref().map_or(&flat.uv, |(uv, _)| uv));
+        let (Some(solution), Ok(points)) = (&flat.solution, points) else {
             return Ok(flat);
         };
-        lengths = (0..all.len()).map(|j| length(points[all[next(j)].index()] - points[all[j].index()])).collect();
+        lengths = (0..all.len()).map(|j| (points[all[next(j)].index()] - points[all[j].index()]).norm()).collect();
         problem = problem.with_initial_guess(solution.angles().to_vec());
         last = Some(flat);
         round += 1;
@@ -132,7 +142,7 @@ fn sides(topology: &Topology, uv: &UvMap, corners: [u32; 4]) -> Option<[f64; 4]>
     Some([0, 1, 2, 3].map(|k| length(points[at[(k + 1) % 4].index()] - points[at[k].index()])))
 }
 
-/// Of a difference of UVs, which may be of any size.
+/// The length of a difference of UVs; `hypot` neither overflows nor underflows.
 fn length(v: Vector2<f64>) -> f64 {
     v.x.hypot(v.y)
 }

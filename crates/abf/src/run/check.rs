@@ -1,7 +1,7 @@
 //! Settings, checked before anything is done.
 
-use crate::FlattenError;
 use crate::settings::{Injective, Ladder, LinAbf, Method, Pipeline, Solver};
+use crate::{Elsewhere, FlattenError};
 use abf_constraints::ProblemError;
 use abf_embed::{Descent, EmbedError, check_gap};
 use abf_reconstruct::LayoutKind;
@@ -55,7 +55,11 @@ impl Pipeline {
 
     fn check_relax(&self) -> Result<(), FlattenError> {
         if self.pins.is_some() && (self.normalize || !self.boundary.is_free()) {
-            return Err(FlattenError::PinsElsewhere(if self.normalize { "normalize" } else { "a boundary rule" }));
+            return Err(FlattenError::PinsElsewhere(if self.normalize {
+                Elsewhere::Normalize
+            } else {
+                Elsewhere::Boundary
+            }));
         }
         let Some(relax) = &self.relax else { return Ok(()) };
         if !self.boundary.is_free() {
@@ -70,7 +74,7 @@ impl Pipeline {
         if boundary_gap > 0.0 && (injective != Injective::Deform || normalize) {
             return Err(FlattenError::GapElsewhere);
         }
-        let other = [(self.pins.is_some(), "pins"), (!self.boundary.is_free(), "a boundary rule")];
+        let other = [(self.pins.is_some(), Elsewhere::Pins), (!self.boundary.is_free(), Elsewhere::Boundary)];
         match other.into_iter().find(|&(is_asked, _)| is_asked && injective != Injective::Off) {
             Some((_, other)) => Err(FlattenError::InjectiveElsewhere(injective, other)),
             None => Ok(()),

@@ -3,7 +3,7 @@
 use super::apart::{Part, taken_apart, walks};
 use super::relax::upright;
 use super::task::{Certified, Given, Single, Task};
-use crate::settings::Injective;
+use crate::settings::{Injective, Pipeline};
 use crate::{FlattenError, Flattening, InjectiveReport, LayoutReport, PrecisionLimits};
 use abf_control::{Checkpoint, Event, Observer, Stage, StopCriteria, Termination, ask};
 use abf_cut::FaceWalks;
@@ -17,6 +17,17 @@ const MOST_GAP: f64 = 0.25;
 /// The distance between parts side by side, as a part of the side of a square as large as the map.
 const BETWEEN_PARTS: f64 = 1.0 / 64.0;
 
+/// Refuses a gap that is too large for a mesh. `working` is the mesh `scale` times as large: the area of the mesh as it was given
+/// may underflow.
+pub(super) fn check_gap(pipeline: &Pipeline, working: &TriMesh, scale: f64) -> Result<(), FlattenError> {
+    let gap = pipeline.boundary_gap;
+    if gap == 0.0 {
+        return Ok(());
+    }
+    let most = MOST_GAP * working.area().sqrt() / scale;
+    if gap > most { Err(FlattenError::GapTooLarge { gap, most }) } else { Ok(()) }
+}
+
 /// Makes a map injective as the pipeline says. One that is, and has the gap that is asked for, stays as it is, and so does one
 /// that was interrupted.
 pub(super) fn made_injective(
@@ -28,11 +39,6 @@ pub(super) fn made_injective(
     let rule = given.pipeline.injective;
     if rule == Injective::Off || flat.termination.is_interruption() {
         return Ok(flat);
-    }
-    // The area of the mesh as it was given may underflow.
-    let (gap, most) = (given.pipeline.boundary_gap, MOST_GAP * given.mesh.area().sqrt() / given.scale);
-    if gap > most {
-        return Err(FlattenError::GapTooLarge { gap, most });
     }
     if is_enough(&given, &flat) {
         return Ok(flat);

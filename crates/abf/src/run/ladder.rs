@@ -5,10 +5,11 @@
 //! drawings: where LinABF has no success the other solvers for angles seldom have any, and take longer. They come last, for
 //! meshes on which the descent stalls or finds no start. What is valid and not converged is kept, and the ladder goes on. When nothing is certified the best there is comes out: valid before
 //! not valid, then fewer bad triangles, then the smaller F. With conditions on the boundary the rungs that do not keep
-//! them are left out, and before F it counts how far the boundary is from them.
+//! them are left out, and the smaller violation decides before F.
 
 use super::boundary::MET;
 use super::check_memory;
+use super::hearing::Hearing;
 use super::task::{Given, Single, Task};
 use crate::settings::{Ladder, Solver, SolverKind};
 use crate::{FlattenError, Flattening, RungReport};
@@ -60,7 +61,7 @@ pub(super) fn climb(
     observer: &mut dyn Observer,
 ) -> Result<Flattening, FlattenError> {
     let budget = TimeBudget::start(&given.pipeline.stop);
-    let observer = &mut Hearing { observer, is_aborted: false, may_be_hopeless: false, is_hopeless: false };
+    let observer = &mut Hopes { observer: Hearing::new(observer), may_be_hopeless: false, is_hopeless: false };
     let mut climb = Climb { mesh: given.original, best: None, rungs: Vec::new(), first_error: None };
     for LadderRung { solver, method, most_iterations } in rungs(ladder) {
         if given.problem.boundary().is_some() && !method.keeps_boundary() {
@@ -68,7 +69,7 @@ pub(super) fn climb(
         }
         let kind = solver.kind();
         let interruption = climb.interruption(&budget, kind, observer);
-        observer.aborted()?;
+        observer.observer.aborted()?;
         if let Some(interruption) = interruption {
             return climb.end(Some(interruption));
         }
@@ -88,7 +89,7 @@ pub(super) fn climb(
             flat.termination = Termination::Stalled;
         }
         // An aborted climb has no result, even where an earlier rung has one.
-        observer.aborted()?;
+        observer.observer.aborted()?;
         if climb.take(kind, result) {
             break;
         }
@@ -96,29 +97,18 @@ pub(super) fn climb(
     climb.end(None)
 }
 
-/// An observer that remembers an abort, and is not asked after it. It stops passes that are hopeless.
-struct Hearing<'o> {
-    observer: &'o mut dyn Observer,
-    is_aborted: bool,
+/// An observer that stops passes that are hopeless.
+struct Hopes<'o> {
+    observer: Hearing<'o>,
     /// Whether it looks for passes that are hopeless, and whether it found one.
     may_be_hopeless: bool,
     is_hopeless: bool,
 }
 
-impl Hearing<'_> {
-    fn aborted(&self) -> Result<(), Cancelled> {
-        if self.is_aborted { Err(Cancelled) } else { Ok(()) }
-    }
-}
-
-impl Observer for Hearing<'_> {
+impl Observer for Hopes<'_> {
     fn observe(&mut self, event: Event<'_>) -> Verdict {
-        if self.is_aborted {
-            return Verdict::Abort;
-        }
         let is_hopeless = self.may_be_hopeless && matches!(event, Event::Iteration(record) if is_hopeless(record));
         let verdict = self.observer.observe(event);
-        self.is_aborted = verdict == Verdict::Abort;
         if is_hopeless && verdict == Verdict::Continue {
             self.is_hopeless = true;
             return Verdict::Stop;

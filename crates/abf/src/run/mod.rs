@@ -4,6 +4,7 @@ mod apart;
 mod boundary;
 mod check;
 mod corners;
+mod hearing;
 mod injective;
 mod ladder;
 mod levels;
@@ -18,7 +19,8 @@ use crate::{FlattenError, Flattening, RungReport};
 use abf_constraints::{AngleProblem, BoundaryError, GuessSettings, ProblemError};
 use abf_control::{Event, Observer, Silent, Stage, Termination, TimeBudget, ask};
 use abf_embed::Relax;
-use abf_mesh::{GeometryError, Topology, TriMesh};
+use abf_mesh::{GeometryError, Point2, Topology, TriMesh};
+use abf_reconstruct::LayoutKind;
 use abf_solve_core::AngleSolution;
 use abf_solve_linabf::{LinAbf, Passes};
 pub(crate) use apart::{Part, neighbours, taken_apart, walks};
@@ -38,15 +40,16 @@ enum Shape {
 /// What is known of a mesh before it is flattened, and what is enough.
 #[derive(Clone, Copy)]
 pub(crate) struct Prospect<'p> {
-    /// An L² stretch that is as good as 1: where a mesh could be solved in two ways, the second is tried only if the first
-    /// misses that. Where it is 1, as for a lone disk, the first must be worse around its thin triangles than elsewhere, too.
-    pub(crate) enough: f64,
+    /// For a chart that is cut where it stretches more, an L² stretch that is as good as 1: where the chart could be solved in two
+    /// ways, the second is tried only if the first misses that. `None` for a lone disk: there the second is tried if the first
+    /// is not certified, overlaps, or is worse around thin triangles than elsewhere.
+    pub(crate) enough: Option<f64>,
     /// Angles near which those of the map are expected, one per corner, rad: see [`AngleProblem::with_expected`].
     pub(crate) expected: Option<&'p [f64]>,
 }
 
 impl Prospect<'_> {
-    const NOTHING: Self = Self { enough: 1.0, expected: None };
+    const NOTHING: Self = Self { enough: None, expected: None };
 }
 
 /// Flattens a disk with the default settings.
@@ -117,6 +120,7 @@ impl Pipeline {
         let topology = topology?;
         let angles = angles?;
         self.pins.as_ref().map_or(Ok(()), |pins| pins.check(&topology)).map_err(FlattenError::Pins)?;
+        injective::check_gap(self, working, scale)?;
         let pose = |initial_guess: GuessSettings, angles: Vec<f64>| {
             let problem = match shape {
                 Shape::Disk => AngleProblem::new(&topology, angles, initial_guess)?,
@@ -158,15 +162,20 @@ impl Pipeline {
             }
         };
         let flat = solve(&problem, self, observer);
-        let (has_thin, has_shapeless) = (problem.thin_corners() > 0, problem.shapeless_faces() > 0);
-        if !(has_thin || has_shapeless) || !self.uses_the_initial_guess() || budget.is_spent() {
+        let has_thin = problem.thin_corners() > 0;
+        let has_two_ways = has_thin && self.uses_the_initial_guess();
+        let may_stay = self.boundary.is_free() && self.layout.kind == LayoutKind::Auto;
+        let plane = (has_thin || problem.shapeless_faces() > 0).then(|| in_plane(working)).flatten();
+        let plane = plane.filter(|_| may_stay);
+        if !(has_two_ways || plane.is_some()) || budget.is_spent() {
             return finish(flat?, observer);
         }
-        let thin = ThinMesh { mesh, angle_bound: self.initial_guess.angle_bound, enough: prospect.enough };
+        let angle_bound = self.initial_guess.angle_bound;
+        let thin = ThinMesh { mesh, angle_bound, enough: prospect.enough, is_flat: plane.is_some() };
         let flat = thin::better(thin, flat, observer, |own, observer| {
             // What lies in a plane has a place there already, however thin its triangles are.
-            let as_it_lies = laid_flat(given, own, observer)?;
-            if as_it_lies.is_some() || !has_thin {
+            let as_it_lies = plane.map(|points| laid_flat(given, own, &points, observer)).transpose()?.flatten();
+            if as_it_lies.is_some() || !has_two_ways {
                 return Ok(as_it_lies);
             }
             // Measured again: it is a rare mesh that would have to keep its angles for so long.
@@ -223,20 +232,20 @@ impl Pipeline {
     }
 }
 
-/// A flat mesh as it lies in its plane, where that is valid and goes with what is asked. The angles are those of the surface, which
-/// every solver of angles leaves as they are: there is nothing to correct.
+/// A flat mesh as it lies in its plane, where that is valid. Its angles are those of the surface, and there is nothing to
+/// correct: the result is that of the solver, converged without an iteration.
 fn laid_flat(
     given: Given<'_>,
     own: Option<SolverKind>,
+    points: &[Point2<f64>],
     observer: &mut dyn Observer,
 ) -> Result<Option<Flattening>, FlattenError> {
     let Given { pipeline, mesh, problem, .. } = given;
-    let Some(points) = in_plane(mesh).filter(|_| pipeline.boundary.is_free()) else { return Ok(None) };
     let solver =
         own.unwrap_or(if let Solver::Auto(_) = pipeline.solver { SolverKind::LinAbf } else { pipeline.solver.kind() });
     let task = Task::new(given, solver, Single::SurfaceAngles);
     let solution = AngleSolution::measure(problem, mesh.corner_angles(), Termination::Converged, Vec::new());
-    let flat = task.placed((&points, true), solution, &[], observer)?;
+    let flat = task.placed((points, true), solution, &[], observer)?;
     Ok(flat.certificate.valid().then_some(flat))
 }
 

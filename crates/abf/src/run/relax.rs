@@ -1,6 +1,7 @@
 //! A map relaxed after the solver.
 
 use super::task::{Given, Single, Task};
+use super::thin::ISOMETRIC;
 use crate::{FlattenError, Flattening, PinReport, PrecisionLimits, RelaxReport};
 use abf_control::{Event, Observer, Stage, StopCriteria, ask};
 use abf_embed::{EmbedError, Pin, PinResidual, Pins, Relax, first_drawing, vertex_points};
@@ -15,6 +16,9 @@ pub(super) fn relaxed(
     stop: &StopCriteria,
     observer: &mut dyn Observer,
 ) -> Result<Flattening, FlattenError> {
+    if keeps_lengths(&given, &flat) {
+        return Ok(flat);
+    }
     let Some((start, from_tutte)) = begin(&given, &mut flat, stop, observer)? else { return Ok(flat) };
     let drawing = relax.solve(given.mesh, given.problem, &start, stop, observer).map_err(FlattenError::of_relaxing)?;
     ask(observer, Event::StageStarted(Stage::Certificate))?;
@@ -45,6 +49,13 @@ pub(super) fn relaxed(
         relaxed: Some(report),
         ..flat
     })
+}
+
+/// Whether a map is valid, has no stretch, and every face has a shape to keep: no energy can be less, whatever shapes it gives to
+/// thin triangles.
+fn keeps_lengths(given: &Given<'_>, flat: &Flattening) -> bool {
+    let metrics = flat.certificate.valid().then(|| flat.metrics(given.original)).and_then(Result::ok);
+    metrics.is_some_and(|metrics| metrics.degenerate_3d == 0 && metrics.stretch_l2 <= 1.0 + ISOMETRIC)
 }
 
 /// Brings pins that fit the mesh to their places. A map that was interrupted stays as it is.

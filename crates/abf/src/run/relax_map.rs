@@ -3,7 +3,7 @@
 use super::relax::{pinned, relaxed};
 use super::task::{Given, Single, Task, begin};
 use crate::settings::{Injective, Pipeline, SolverKind, ZeroArea};
-use crate::{FlattenError, Flattening, LayoutReport, PinReport, RelaxReport, RelaxedMap};
+use crate::{Elsewhere, FlattenError, Flattening, LayoutReport, PinReport, RelaxReport, RelaxedMap};
 use abf_constraints::AngleProblem;
 use abf_control::{Event, Observer, Stage, StopCriteria, Termination, TimeBudget, ask};
 use abf_embed::vertex_points;
@@ -32,7 +32,7 @@ impl Pipeline {
         let asked = Self { relax: Some(self.relax.unwrap_or_default()), ..self.clone() };
         asked.check()?;
         if self.injective != Injective::Off {
-            return Err(FlattenError::InjectiveElsewhere(self.injective, "a map that is there"));
+            return Err(FlattenError::InjectiveElsewhere(self.injective, Elsewhere::Map));
         }
         asked.check_memory(mesh)?;
         let budget = TimeBudget::start(&self.stop);
@@ -43,7 +43,7 @@ impl Pipeline {
         }
         let cut = Cut::new(mesh, uv);
         if asked.pins.is_some() && !cut.is_whole {
-            return Err(FlattenError::PinsElsewhere("a map with seams or of several charts"));
+            return Err(FlattenError::PinsElsewhere(Elsewhere::Seams));
         }
         // Charts keep to the scale of the whole map.
         let (area, surface) = (uv.area(), mesh.area());

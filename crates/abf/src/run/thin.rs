@@ -4,6 +4,7 @@
 //! spoil the linearisation, and the bound is what keeps its neighbours in shape. Where the first map is no worse around thin
 //! triangles than elsewhere, they are not what spoils it, and it is the only one that is made.
 
+use super::hearing::Hearing;
 use crate::{FlattenError, Flattening, SolverKind};
 use abf_control::{Event, Observer, Termination, ask};
 use abf_mesh::TriMesh;
@@ -11,7 +12,7 @@ use abf_metrics::{FaceDistortion, Metrics, per_face};
 use std::f64::consts::PI;
 
 /// A map whose L² stretch is above 1 by no more than this has nothing to gain.
-const ISOMETRIC: f64 = 1e-9;
+pub(super) const ISOMETRIC: f64 = 1e-9;
 
 /// Stretches this near to each other, relative, are the same: the weighted F decides then.
 const SAME_STRETCH: f64 = 1e-6;
@@ -22,30 +23,38 @@ pub(super) struct ThinMesh<'m> {
     pub(super) mesh: &'m TriMesh,
     /// Below it, or as near to π, the angles of a triangle are thin, rad.
     pub(super) angle_bound: f64,
-    /// A stretch that is as good as 1.
-    pub(super) enough: f64,
+    /// A stretch that is as good as 1, for a chart that is cut where it misses it; `None` for a lone disk.
+    pub(super) enough: Option<f64>,
+    /// Whether it lies in a plane.
+    pub(super) is_flat: bool,
 }
 
 /// The better of a result and another, which is made only where the first leaves something to gain. `other` is told whose
 /// result the first is; it has none where there is no other way.
 pub(super) fn better(
-    ThinMesh { mesh, angle_bound, enough }: ThinMesh<'_>,
+    ThinMesh { mesh, angle_bound, enough, is_flat }: ThinMesh<'_>,
     own: Result<Flattening, FlattenError>,
     observer: &mut dyn Observer,
     other: impl FnOnce(Option<SolverKind>, &mut dyn Observer) -> Result<Option<Flattening>, FlattenError>,
 ) -> Result<Flattening, FlattenError> {
+    let observer = &mut Hearing::new(observer);
     let own = match own {
         Ok(own) => own,
         Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
-        Err(error) => return other(None, observer).ok().flatten().ok_or(error),
+        Err(error) => {
+            let other = other(None, observer);
+            observer.aborted()?;
+            return other.ok().flatten().ok_or(error);
+        }
     };
     ask(observer, Event::Working)?;
     let Ok(with_own) = own.metrics(mesh) else { return Ok(own) };
     ask(observer, Event::Working)?;
-    let is_as_good_as_1 = || with_own.stretch_l2 <= enough.max(1.0 + ISOMETRIC);
-    // A chart that misses its aim is cut: before that both are made.
+    let is_as_good_as_1 = || with_own.stretch_l2 <= enough.unwrap_or(1.0).max(1.0 + ISOMETRIC);
+    // A chart that misses its aim is cut: before that both are made. A flat mesh is not spoilt, wherever it is worse.
     let is_spoilt_elsewhere = || {
-        enough <= 1.0
+        enough.is_none()
+            && !is_flat
             && with_own.injective()
             && per_face(mesh, &own.uv).is_ok_and(|faces| is_elsewhere(mesh, angle_bound, &faces))
     };
@@ -53,9 +62,12 @@ pub(super) fn better(
     if is_enough || own.termination == Termination::Cancelled {
         return Ok(own);
     }
-    let other = match other(Some(own.solver), observer) {
+    let other = other(Some(own.solver), observer);
+    observer.aborted()?;
+    let other = match other {
         Ok(Some(other)) => other,
-        Err(FlattenError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        // It was stopped: the first result is there.
+        Err(FlattenError::Cancelled(_)) => return Ok(Flattening { termination: Termination::Cancelled, ..own }),
         Ok(None) | Err(_) => return Ok(own),
     };
     ask(observer, Event::Working)?;

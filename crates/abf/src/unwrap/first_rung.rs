@@ -61,7 +61,7 @@ impl Component<'_, '_> {
             guess.angle_bound = LEAST_ANGLE;
         }
         let expected = foresight.angles(chart);
-        let prospect = Prospect { enough: self.settings.max_stretch, expected: expected.as_deref() };
+        let prospect = Prospect { enough: Some(self.settings.max_stretch), expected: expected.as_deref() };
         let run = |pipeline: &Pipeline, observer: &mut dyn Observer| {
             self.tried(pipeline.run_within(&chart.mesh, prospect, observer))
         };

@@ -20,7 +20,8 @@ mod surface;
 mod unfinished;
 
 use crate::{
-    FlattenError, InjectiveReport, LayoutReport, Pipeline, RelaxReport, RungReport, SolveReport, SolverKind, ZeroArea,
+    Elsewhere, FlattenError, InjectiveReport, LayoutReport, Pipeline, RelaxReport, RungReport, SolveReport, SolverKind,
+    ZeroArea,
 };
 use abf_control::{Cancelled, Event, Observer, SettingError, Termination, TimeBudget, ask};
 use abf_cut::{
@@ -380,7 +381,7 @@ impl Unwrap {
             return Err(FlattenError::BoundaryCharts(self.pipeline.boundary.to_string()).into());
         }
         if self.pipeline.pins.is_some() {
-            return Err(FlattenError::PinsElsewhere("charts").into());
+            return Err(FlattenError::PinsElsewhere(Elsewhere::Charts).into());
         }
         Ok(self.pipeline.check()?)
     }

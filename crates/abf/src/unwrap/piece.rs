@@ -80,7 +80,7 @@ impl Component<'_, '_> {
         foresight.refine_as_it_is(piece, &mut || self.go_on())?;
         let (pipeline, mut ear) = (self.pipeline_of_first_rung(), self.ear());
         let expected = foresight.angles_as_it_is(&piece.mesh);
-        let prospect = Prospect { enough: self.settings.max_stretch, expected: expected.as_deref() };
+        let prospect = Prospect { enough: Some(self.settings.max_stretch), expected: expected.as_deref() };
         let flat = if is_disk {
             pipeline.run_within(&piece.mesh, prospect, &mut ear)
         } else {
@@ -234,7 +234,7 @@ impl Component<'_, '_> {
                 let flat = match first_rung.filter(is_enough) {
                     Some(flat) => flat,
                     None => {
-                        let prospect = Prospect { enough: self.settings.max_stretch, expected: None };
+                        let prospect = Prospect { enough: Some(self.settings.max_stretch), expected: None };
                         self.pipeline().run_within(&chart.mesh, prospect, &mut ear)?
                     }
                 };

@@ -10,7 +10,7 @@ use abf::embed::EmbedError;
 use abf::mesh::{Point3, TriMesh};
 use abf::solve_core::SolveError;
 use abf::{
-    Boundary, FlattenError, GuessSettings, Injective, LayoutSettings, LinAbf, Pins, Pipeline, Relax, Solver,
+    Boundary, Elsewhere, FlattenError, GuessSettings, Injective, LayoutSettings, LinAbf, Pins, Pipeline, Relax, Solver,
     SolverKind, SolverParts, SolverSettings, StopCriteria,
 };
 use clap::error::ErrorKind;
@@ -239,16 +239,18 @@ fn try_out(pipeline: &Pipeline) -> Result<(), Refusal> {
 /// Which options do not go together, whatever the solver.
 fn together(error: &FlattenError) -> Option<String> {
     let both = |one: String, other: &str| format!("{one} and --{other} do not go together: leave out one of them");
-    let named = |library: &'static str| match library {
-        "a boundary rule" => "boundary",
-        other => other,
+    let option = |other: Elsewhere| match other {
+        Elsewhere::Normalize => Some("normalize"),
+        Elsewhere::Boundary => Some("boundary"),
+        Elsewhere::Pins => Some("pins"),
+        _ => None,
     };
     Some(match error {
         FlattenError::GapElsewhere => {
             format!("--boundary-gap needs --injective {}, and does not go with --normalize", Injective::Deform.name())
         }
-        FlattenError::InjectiveElsewhere(rule, other) => both(format!("--injective {rule}"), named(other)),
-        FlattenError::PinsElsewhere(other) => both("--pins".to_owned(), named(other)),
+        FlattenError::InjectiveElsewhere(rule, other) => both(format!("--injective {rule}"), option(*other)?),
+        FlattenError::PinsElsewhere(other) => both("--pins".to_owned(), option(*other)?),
         FlattenError::RelaxBoundary(energy) => both(format!("--energy {energy}"), "boundary"),
         _ => return None,
     })

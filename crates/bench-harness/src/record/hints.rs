@@ -8,7 +8,7 @@ use abf::cut::RepairError;
 use abf::embed::EmbedError;
 use abf::reconstruct::LayoutError;
 use abf::solve_core::{LinearError, SolveError};
-use abf::{AtlasError, FlattenError, MetricsError, PackError, SolverKind, Termination, UnwrapError};
+use abf::{AtlasError, Elsewhere, FlattenError, MetricsError, PackError, SolverKind, Termination, UnwrapError};
 use abf_mesh::io::{MeshFormat, ReadError, WriteError};
 use abf_mesh::{DiskError, GeometryError, TopologyError};
 use std::io;
@@ -128,8 +128,8 @@ pub(crate) fn flatten(error: &FlattenError) -> Hint {
             (FailureKind::Boundary, "change --boundary, or the faces it names; --boundary convex asks for less")
         }
         FlattenError::Pins(_) => (FailureKind::Setting, "change those lines of the file of --pins"),
-        FlattenError::PinsElsewhere("normalize") => (FailureKind::Setting, "leave out --pins, or --normalize"),
-        FlattenError::PinsElsewhere("a boundary rule") => (FailureKind::Setting, "leave out --pins, or --boundary"),
+        FlattenError::PinsElsewhere(Elsewhere::Normalize) => (FailureKind::Setting, "leave out --pins, or --normalize"),
+        FlattenError::PinsElsewhere(Elsewhere::Boundary) => (FailureKind::Setting, "leave out --pins, or --boundary"),
         FlattenError::PinsElsewhere(_) => (
             FailureKind::Setting,
             "leave out --pins, or give one disk without options and outputs of an atlas, such as --cut-disks or a glTF",

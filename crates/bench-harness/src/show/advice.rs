@@ -100,12 +100,19 @@ fn stretched(record: &Record, may_cut: bool) -> Option<String> {
     let stretch = record.quality.as_ref()?.stretch_l2;
     // Relaxing is for maps of a free boundary, once.
     let asked = record.run.as_ref().and_then(|run| run.settings.pipeline());
-    let may_relax = asked.is_some_and(|asked| asked.relax.is_none() && asked.boundary.is_free());
+    let may_relax = asked.as_ref().is_some_and(|asked| asked.relax.is_none() && asked.boundary.is_free());
     (stretch > OF_LITTLE_USE).then(|| {
         let stretch = significant(stretch, 2);
         let is_cut = record.atlas.as_ref().is_some_and(|atlas| atlas.settings.cuts_disks());
         let is_smaller = record.atlas.as_ref().is_some_and(|atlas| atlas.charts.iter().any(|chart| chart.scale < 1.0));
+        // A rule for the boundary, and pins, are for a mesh that is not cut.
+        let stays_whole = asked.as_ref().and_then(|asked| match (asked.boundary.is_free(), &asked.pins) {
+            (false, _) => Some("to leave out --boundary"),
+            (true, Some(_)) => Some("to leave out --pins"),
+            (true, None) => None,
+        });
         let way_out = match (may_cut, is_cut) {
+            _ if let Some(way_out) = stays_whole => way_out,
             (true, true) if is_smaller => "--max-chart-length inf, which makes no chart smaller than the others",
             (true, false) => "--cut-disks, which cuts the mesh where it stretches",
             (true, true) => "a smaller --max-stretch",

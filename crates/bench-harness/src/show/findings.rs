@@ -68,10 +68,11 @@ pub(crate) fn precision(record: &Record) -> Option<String> {
     /// Only the size of such a number matters.
     const DIGITS: usize = 1;
     let limits = record.run.as_ref()?.precision_limits.as_ref()?;
-    let mut parts = vec![format!(
-        "lengths shrink by up to {} times more in one place than in another",
-        significant(limits.spread, DIGITS)
-    )];
+    let mut parts = Vec::new();
+    if limits.spread >= 2.0 {
+        let spread = significant(limits.spread, DIGITS);
+        parts.push(format!("lengths shrink by up to {spread} times more in one place than in another"));
+    }
     if limits.near_collapsed > 0 {
         let triangles = count(limits.near_collapsed, "triangle is", "triangles are");
         let named = faces(&limits.near_collapsed_faces, limits.near_collapsed);

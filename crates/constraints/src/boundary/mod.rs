@@ -46,7 +46,7 @@ pub enum Boundary {
     /// order; `None` finds those that fit best.
     Rectangle(Option<[u32; 4]>),
     /// The boundary becomes a circle: `b = π − (θ + θ′)/2`, with `θ = 2 asin(ℓ / 2R)` and `ℓ` the lengths of the two boundary
-    /// edges at the vertex in the layout. It is solved again with the lengths of each layout until they agree.
+    /// edges at the vertex in the layout; `θ = 2πℓ/Σℓ` while one edge is too long for a circle of the others. It is solved again with the lengths of each layout until they agree.
     Circle,
     /// These angle sums; the other boundary vertices are free.
     Angles(Vec<BoundaryAngle>),
