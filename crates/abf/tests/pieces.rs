@@ -3,8 +3,8 @@
 
 use abf::mesh::{Point3, TriMesh, VertexId};
 use abf::{
-    Event, HoleRule, Observer, Pipeline, Silent, StopCriteria, SurfaceHints, Termination, Unwrap, Unwrapped, Verdict,
-    flatten,
+    Boundary, Cancelled, Event, FlattenError, HoleRule, LinAbf, Observer, Pipeline, Silent, Stage, StopCriteria,
+    SurfaceHints, Termination, Unwrap, Unwrapped, Verdict, flatten,
 };
 use abf_shapes::Shape;
 use std::collections::HashMap;
@@ -196,8 +196,7 @@ fn thin_triangles_on_curved_sheets_are_bounded_where_that_is_better() {
 
 /// A bumpy sheet of eight faces with a vertex almost on an edge of each. With their own angles the needles come out enlarged, and
 /// everything else shrinks.
-#[test]
-fn thin_triangles_that_crowd_out_the_rest_are_bounded() {
+fn crowded() -> TriMesh {
     let points = [
         [0.0, 0.0, 0.0],
         [0.5, 0.0, 0.0],
@@ -243,11 +242,44 @@ fn thin_triangles_that_crowd_out_the_rest_are_bounded() {
         [8, 7, 16],
         [7, 5, 16],
     ];
-    let mesh = mesh(&points, &faces);
+    mesh(&points, &faces)
+}
+
+#[test]
+fn thin_triangles_that_crowd_out_the_rest_are_bounded() {
+    let mesh = crowded();
     let flat = flatten(&mesh).expect("a flattening");
     let metrics = flat.metrics(&mesh).expect("metrics");
     assert!(metrics.valid() && metrics.stretch_l2 < 3.0, "{}", metrics.stretch_l2);
     assert_eq!(flat.rungs.len(), 2, "one with its own angles, one with bounded ones: {:?}", flat.rungs);
+}
+
+/// Gives one answer from the second solve on.
+struct FromTheSecondSolve {
+    answer: Verdict,
+    solves: usize,
+}
+
+impl Observer for FromTheSecondSolve {
+    fn observe(&mut self, event: Event<'_>) -> Verdict {
+        self.solves += usize::from(matches!(event, Event::StageStarted(Stage::Solve)));
+        if self.solves > 1 { self.answer } else { Verdict::Continue }
+    }
+}
+
+#[test]
+fn what_is_stopped_in_its_second_solve_keeps_the_first_map_and_what_is_aborted_has_none() {
+    let circle = Pipeline { boundary: Boundary::Circle, ..Pipeline::default() };
+    let linabf = Pipeline { solver: LinAbf::default().into(), ..Pipeline::default() };
+    for (pipeline, mesh) in
+        [(Pipeline::default(), crowded()), (linabf, crowded()), (circle, Shape::BumpySheet.mesh(200))]
+    {
+        let answered = |answer| pipeline.run(&mesh, &mut FromTheSecondSolve { answer, solves: 0 });
+        let stopped = answered(Verdict::Stop).expect("the first map");
+        assert_eq!(stopped.termination, Termination::Cancelled);
+        assert!(stopped.certificate.valid());
+        assert_eq!(answered(Verdict::Abort).expect_err("aborted"), FlattenError::Cancelled(Cancelled));
+    }
 }
 
 #[test]

@@ -350,8 +350,8 @@ mod tests {
         assert!((sum - TAU).abs() < 1e-14 && (rounded.bounds()[0] - FRAC_PI_2 + 2e-7).abs() < 3e-7, "{rounded:?}");
         let tiny = |v: u32| match v {
             1 => 1e-8,
-            3 => PI - 1e-8 + 9e-7,
-            _ => FRAC_PI_2,
+            3 => 3.0,
+            _ => 0.5 * (TAU - 3.0) + 4.5e-7,
         };
         let rounded = BoundaryConditions::given(&square, &[0, 1, 2, 3].map(|v| angle(v, tiny(v)))).expect("a kite");
         assert!(rounded.bounds().iter().all(|&bound| bound > 0.0 && bound < TAU), "{rounded:?}");
