@@ -111,13 +111,13 @@ fn stretched(record: &Record, may_cut: bool) -> Option<String> {
             (true, Some(_)) => Some("to leave out --pins"),
             (true, None) => None,
         });
-        let way_out = match (may_cut, is_cut) {
-            _ if let Some(way_out) = stays_whole => way_out,
+        let cutting = match (may_cut, is_cut) {
             (true, true) if is_smaller => "--max-chart-length inf, which makes no chart smaller than the others",
             (true, false) => "--cut-disks, which cuts the mesh where it stretches",
             (true, true) => "a smaller --max-stretch",
             (false, _) => "to cut the mesh where it stretches",
         };
+        let way_out = stays_whole.unwrap_or(cutting);
         let relaxing = if may_relax {
             format!("--energy {}, which keeps areas within bounds{OR}", Energy::USABLE)
         } else {
