@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import resource
 import subprocess
 import sys
 
@@ -25,6 +26,12 @@ def program(given):
     return ROOT / "target/release/bench-harness"
 
 
+def cpu():
+    """The CPU seconds of all children so far."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def said():
     """This command and the commit, for the head of a table."""
     try:
@@ -32,10 +39,8 @@ def said():
         commit = asked.stdout.strip()
     except (OSError, subprocess.CalledProcessError):
         commit = "unknown"
-    words = []
-    for word in sys.argv[1:]:
-        words += [word if word.startswith("-") else pathlib.Path(word).name]
-    return f"`scripts/{pathlib.Path(sys.argv[0]).name} {' '.join(words)}`, commit {commit}"
+    words = [word if word.startswith("-") else pathlib.Path(word).name for word in sys.argv[1:]]
+    return f"`{' '.join([f'scripts/{pathlib.Path(sys.argv[0]).name}', *words])}`, commit {commit}"
 
 
 def run(binary, arguments, meshes):

@@ -7,9 +7,7 @@ import fractions
 import json
 import math
 import os
-import pathlib
 import subprocess
-import sys
 
 import harness
 
