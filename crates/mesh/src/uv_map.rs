@@ -162,11 +162,11 @@ impl UvMap {
     }
 
     /// The same map with every coordinate multiplied by a power of two, for coordinates so large or small that their
-    /// products leave the range of doubles, and that power; `None` where they are not. As [`TriMesh::in_range`].
+    /// products leave the range of doubles; `None` where they are not. As [`TriMesh::in_range`].
     #[must_use]
-    pub fn in_range(&self) -> Option<(Self, f64)> {
+    pub fn in_range(&self) -> Option<Self> {
         let largest = self.points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
-        power_into_range(largest).map(|scale| (self.clone().mapped(|p| p * scale), scale))
+        power_into_range(largest).map(|scale| self.clone().mapped(|p| p * scale))
     }
 
     /// Moved and scaled uniformly so that its box touches the origin and fits the unit square.

@@ -111,7 +111,7 @@ fn in_rounds(
         }
         // Only their ratios count.
         let scaled = flat.uv.in_range();
-        let points = vertex_points(topology, scaled.as_ref().map_or(&flat.uv, |(uv, _)| uv));
+        let points = vertex_points(topology, scaled.as_ref().unwrap_or(&flat.uv));
         let (Some(solution), Ok(points)) = (&flat.solution, points) else {
             return Ok(flat);
         };
@@ -156,7 +156,7 @@ pub(super) fn report(
 ) -> BoundaryReport {
     // Angles and ratios do not depend on the size, but products of coordinates may leave the range of doubles.
     let scaled = uv.in_range();
-    let uv = scaled.as_ref().map_or(uv, |(uv, _)| uv);
+    let uv = scaled.as_ref().unwrap_or(uv);
     let angles: Vec<f64> = topology.corners().map(|c| uv_angle(uv, c)).collect();
     let all = boundary_loop(topology);
     let sums: Vec<f64> = all.iter().map(|&v| topology.fan(v).map(|c| angles[c.index()]).sum()).collect();

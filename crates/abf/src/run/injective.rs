@@ -37,10 +37,7 @@ pub(super) fn made_injective(
     observer: &mut dyn Observer,
 ) -> Result<Flattening, FlattenError> {
     let rule = given.pipeline.injective;
-    if rule == Injective::Off || flat.termination.is_interruption() {
-        return Ok(flat);
-    }
-    if is_enough(&given, &flat) {
+    if rule == Injective::Off || flat.termination.is_interruption() || is_enough(&given, &flat) {
         return Ok(flat);
     }
     match rule {
